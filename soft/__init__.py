@@ -1,0 +1,85 @@
+"""Soil optical flow: pictures in, soil flow out.
+
+The public names below are imported on first use, so that ``import soft`` costs nothing.
+"""
+
+from importlib import import_module
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from soft.analyze import analyze
+    from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
+    from soft.flow import FlowError, FlowField, estimate_flow, read_flo, write_flo
+    from soft.inertial import InertialMotion, to_inertial
+    from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
+    from soft.sequence import ImageSequence, SequenceError
+    from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
+    from soft.velocity import to_polar, to_velocity
+
+_HOMES = {
+    "FlowError": "soft.flow",
+    "FlowField": "soft.flow",
+    "ImageSequence": "soft.sequence",
+    "InertialMotion": "soft.inertial",
+    "MovingRegion": "soft.segmentation",
+    "SequenceError": "soft.sequence",
+    "SoilFlowError": "soft.soilflow",
+    "SoilRegion": "soft.segmentation",
+    "analyze": "soft.analyze",
+    "check_soil_flow": "soft.soilflow",
+    "direction_figure": "soft.figures",
+    "estimate_flow": "soft.flow",
+    "moving_mask": "soft.segmentation",
+    "picture_figure": "soft.figures",
+    "read_flo": "soft.flow",
+    "read_soil_flow": "soft.soilflow",
+    "soil_mask": "soft.segmentation",
+    "speed_figure": "soft.figures",
+    "to_inertial": "soft.inertial",
+    "to_polar": "soft.velocity",
+    "to_velocity": "soft.velocity",
+    "write_figures": "soft.figures",
+    "write_flo": "soft.flow",
+}
+
+__all__ = [
+    "FlowError",
+    "FlowField",
+    "ImageSequence",
+    "InertialMotion",
+    "MovingRegion",
+    "SequenceError",
+    "SoilFlowError",
+    "SoilRegion",
+    "analyze",
+    "check_soil_flow",
+    "direction_figure",
+    "estimate_flow",
+    "moving_mask",
+    "picture_figure",
+    "read_flo",
+    "read_soil_flow",
+    "soil_mask",
+    "speed_figure",
+    "to_inertial",
+    "to_polar",
+    "to_velocity",
+    "write_figures",
+    "write_flo",
+]
+
+
+def __getattr__(name: str) -> object:
+    """Import the module that holds `name` on its first use."""
+    home = _HOMES.get(name)
+    if home is None:
+        raise AttributeError(f"module 'soft' has no attribute {name!r}")
+    # `soft.analyze` is a module too: importing it sets the attribute to the module, this sets the function.
+    value = getattr(import_module(home), name)
+    globals()[name] = value
+    return value
+
+
+def __dir__() -> list[str]:
+    """Public names, imported or not yet."""
+    return sorted([*globals(), *__all__])

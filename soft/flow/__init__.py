@@ -1,0 +1,19 @@
+"""Displacement between two pictures: `estimate_flow` and its estimators."""
+
+from soft.flow.estimate import DEFAULT, estimate_flow
+from soft.flow.field import FlowError, FlowField
+from soft.flow.files import FlowFiles
+from soft.flow.flo import read_flo, write_flo
+from soft.flow.registry import BUILT_IN, find_estimator
+
+__all__ = [
+    "BUILT_IN",
+    "DEFAULT",
+    "FlowError",
+    "FlowField",
+    "FlowFiles",
+    "estimate_flow",
+    "find_estimator",
+    "read_flo",
+    "write_flo",
+]

@@ -1,0 +1,56 @@
+"""What every way of estimating flow is to `estimate_flow`."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass
+from typing import Any, Protocol
+
+import numpy as np
+
+from soft.flow.field import FlowField
+from soft.flow.options import build_options
+
+
+class Solver(Protocol):
+    """Measures displacement; knows nothing of textureless pixels or of motion out of the picture."""
+
+    def __call__(self, first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: Any, /) -> FlowField:
+        """Displacement from `first` to `second`, both (H, W) float32 0-255 and finite; mask (H, W) bool, True = use.
+
+        The pictures have the same shape, and the mask is true somewhere.
+        """
+        ...
+
+
+@dataclass(frozen=True)
+class Estimator:
+    """A named solver and what it takes.
+
+    Attributes
+    ----------
+    name : str
+        What a user calls it, and what results are labelled with.
+    options_type : type
+        A frozen dataclass that refuses impossible values with a FlowError.
+    solve : Solver
+        Does the work.
+    resolved : callable
+        Options to a plain dict with every default spelt out, for the record in a result.
+    least_side : int
+        Fewest px a picture may have each way.
+    devices : tuple of str
+        Where it can run.
+    own_texture : bool
+        True if it decides itself, by NaN, where there was too little texture to measure.
+    """
+
+    name: str
+    options_type: type
+    solve: Solver
+    resolved: Callable[[Any], dict[str, object]] = asdict
+    least_side: int = 1
+    devices: tuple[str, ...] = ("cpu",)
+    own_texture: bool = False
+
+    def options(self, given: Mapping[str, object]) -> Any:
+        """The options dataclass from keywords; unknown ones are a FlowError."""
+        return build_options(self.options_type, self.name, given)

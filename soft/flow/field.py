@@ -1,0 +1,69 @@
+"""What a flow estimator returns."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+
+class FlowError(ValueError):
+    """Pictures, method or options that flow cannot be estimated with; the message is one line."""
+
+
+@dataclass(frozen=True, eq=False)
+class FlowField:
+    """Displacement at every pixel of the first picture.
+
+    Integer coordinates lie at pixel centres, x right, y down; displacements are px, forward, from the first picture
+    to the second, on the first picture's grid. A pixel is valid exactly where its displacement is finite: the
+    constructor takes `valid` down where the displacement is not finite, and puts NaN everywhere that is not valid.
+
+    Attributes
+    ----------
+    displacement : (H, W, 2) float32
+        (u, v) in px.
+    valid : (H, W) bool
+        Where motion could be measured.
+    uncertainty : (H, W, 2) float32 or None
+        One sigma for each component in px, if the method tells it.
+    gradient : (H, W, 2, 2) float32 or None
+        d(u, v)_i / d(x, y)_j in px/px at [.., i, j], if the method tells it.
+
+    Raises
+    ------
+    FlowError
+        If shapes do not belong together.
+    """
+
+    displacement: np.ndarray
+    valid: np.ndarray
+    uncertainty: np.ndarray | None = None
+    gradient: np.ndarray | None = None
+
+    def __post_init__(self) -> None:
+        displacement = np.array(self.displacement, dtype=np.float32)
+        if displacement.ndim != 3 or displacement.shape[2] != 2:
+            raise FlowError(f"displacement: shape {displacement.shape}: must be (H, W, 2)")
+        shape = displacement.shape[:2]
+        if np.shape(self.valid) != shape:
+            raise FlowError(f"valid: shape {np.shape(self.valid)}: must be {shape}")
+        valid = np.asarray(self.valid, dtype=bool) & np.isfinite(displacement).all(axis=2)
+        displacement[~valid] = np.nan
+        object.__setattr__(self, "displacement", displacement)
+        object.__setattr__(self, "valid", valid)
+        for name, tail in (("uncertainty", (2,)), ("gradient", (2, 2))):
+            object.__setattr__(self, name, _companion(name, getattr(self, name), valid, tail))
+
+    def where(self, usable: np.ndarray) -> "FlowField":
+        """The same field, valid only where `usable` (H, W) bool is true as well."""
+        return FlowField(self.displacement, self.valid & usable, self.uncertainty, self.gradient)
+
+
+def _companion(name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...]):
+    """A copy of `values` as float32 with NaN where the field is not valid."""
+    if values is None:
+        return None
+    copy = np.array(values, dtype=np.float32)
+    if copy.shape != valid.shape + tail:
+        raise FlowError(f"{name}: shape {copy.shape}: must be {valid.shape + tail}")
+    copy[~valid] = np.nan
+    return copy

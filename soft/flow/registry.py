@@ -1,0 +1,40 @@
+"""Where a method's name leads: a built-in estimator, a user's function, a folder of files."""
+
+from collections.abc import Callable
+from importlib import import_module
+
+from soft.flow.estimator import Estimator
+from soft.flow.field import FlowError
+from soft.flow.files import PREFIX, from_files
+from soft.flow.user_function import from_function, from_import_path
+
+# Name and module of each built-in estimator; the module calls it ESTIMATOR.
+BUILT_IN = {
+    "dis": "soft.flow.dis",
+    "farneback": "soft.flow.farneback",
+}
+
+
+def find_estimator(method: str | Callable) -> Estimator:
+    """The estimator that `method` names.
+
+    Parameters
+    ----------
+    method : str or callable
+        A built-in name, `package.module:function`, `files:FOLDER`, or a function of the user's own.
+
+    Raises
+    ------
+    FlowError
+        If it names nothing.
+    """
+    if callable(method):
+        return from_function(method)
+    if method in BUILT_IN:
+        return import_module(BUILT_IN[method]).ESTIMATOR
+    if method.startswith(PREFIX):
+        return from_files(method)
+    if ":" in method:
+        return from_import_path(method)
+    known = ", ".join(sorted(BUILT_IN))
+    raise FlowError(f"method {method!r}: allowed are {known}, package.module:function and {PREFIX}FOLDER")

@@ -1,0 +1,225 @@
+"""Soil or not, moving or not: k-means with two classes, and the largest region made whole (section 2.3, Clustering)."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from soft.illumination import flatten_illumination
+
+# Classes are fitted on this many pixels at most: with one feature and two classes more changes nothing.
+SAMPLE_SIZE = 50_000
+
+# Distance of the class centres over the sum of the classes' standard deviations. Two-means cuts any single heap
+# somewhere: a normal one to 1.3, a flat one to 1.7. From 2 the classes stand apart.
+LEAST_SEPARATION = 2.0
+
+# px. Twice the 0.3 px that bound 95 % of the errors on a rotated plate (section 3.1.1): below it, what two-means
+# finds is the error's own spread.
+LEAST_SPEED_STEP = 0.6
+
+# Of the pixels called moving, this share must hang together: errors are scattered, a moving mass is not.
+LEAST_REGION_SHARE = 0.25
+
+SOIL_CHOICES = ("bright", "dark", "all")
+
+
+@dataclass(frozen=True)
+class TwoMeans:
+    """Two classes of a scalar; a value belongs to the nearer centre, so `threshold` lies half-way.
+
+    `separation` is the distance of the centres over the sum of the standard deviations; infinite for two values,
+    zero where there are not even two.
+    """
+
+    low: float
+    high: float
+    threshold: float
+    separation: float
+
+
+@dataclass(frozen=True, eq=False)
+class SoilRegion:
+    """Where soil is.
+
+    Attributes
+    ----------
+    mask : (H, W) bool
+        True on soil.
+    found : bool
+        False if the grey levels show no two classes; the whole picture then counts as soil.
+    remark : str
+        What was found, in words.
+    """
+
+    mask: np.ndarray
+    found: bool
+    remark: str
+
+
+@dataclass(frozen=True, eq=False)
+class MovingRegion:
+    """Where soil moves, in the inertial frame; its boundary is the shear interface.
+
+    Attributes
+    ----------
+    mask : (H, W) bool
+        True on moving soil, empty if `found` is False.
+    found : bool
+        False if the speeds show no moving mass.
+    remark : str
+        What was found, in words.
+    """
+
+    mask: np.ndarray
+    found: bool
+    remark: str
+
+
+def soil_mask(picture: np.ndarray, *, soil: str = "bright", seed: int = 0) -> SoilRegion:
+    """Tell soil from implement and background by grey level.
+
+    Two-means on the grey levels, the largest region of the soil's class, its gaps filled. Grains and gaps between
+    them are smoothed away first by a median filter. Where the light falls off so much that the grey levels of the
+    whole picture show no two classes, a smooth illumination is divided out before they are looked for again.
+
+    Parameters
+    ----------
+    picture : (H, W) array
+        Grey, 0-255.
+    soil : str, optional
+        `bright` (light soil, dark implement and background), `dark`, or `all` (the picture shows nothing else).
+    seed : int, optional
+        Of the random start of k-means and of the sample it sees.
+
+    Raises
+    ------
+    ValueError
+        If `soil` is another word.
+    """
+    if soil not in SOIL_CHOICES:
+        raise ValueError(f"soil: {soil!r}: allowed are {', '.join(SOIL_CHOICES)}")
+    if soil == "all":
+        return SoilRegion(np.ones(picture.shape, bool), True, "the whole picture is soil, as asked for")
+    size = texture_size(picture.shape)
+    smooth = _without_texture(picture, size)
+    for grey, how in ((smooth, "grey level"), (flatten_illumination(smooth), "grey level over illumination")):
+        classes = two_means(grey, seed=seed)
+        if classes.separation >= LEAST_SEPARATION:
+            raw = grey > classes.threshold if soil == "bright" else grey <= classes.threshold
+            mask = largest_region(raw, size=size)
+            return SoilRegion(mask, True, f"soil by {how}: classes {classes.separation:.1f} apart")
+    return SoilRegion(np.ones(picture.shape, bool), False, "grey levels show no two classes: all counts as soil")
+
+
+def moving_mask(speed: np.ndarray, soil: np.ndarray, *, seed: int = 0) -> MovingRegion:
+    """Tell moving from resting soil by speed in the inertial frame.
+
+    Two-means on the speeds over soil, the largest region of the faster class, its gaps filled. Two-means splits any
+    numbers, also the errors of a field in which nothing moves. So the region is empty unless the classes lie
+    `LEAST_SPEED_STEP` apart and enough of the faster class hangs together.
+
+    Parameters
+    ----------
+    speed : (H, W) array
+        Magnitude of inertial displacement in px, NaN where it was not measured.
+    soil : (H, W) bool
+        Where soil is.
+    seed : int, optional
+        Of the random start of k-means and of the sample it sees.
+    """
+    measured = soil & np.isfinite(speed)
+    classes = two_means(speed[measured], seed=seed)
+    step = classes.high - classes.low
+    if step < LEAST_SPEED_STEP:
+        return _nothing_moves(soil, f"speeds differ by {step:.2f} px, which errors alone may do")
+    # NaN is not above any threshold.
+    fast = measured & (np.nan_to_num(speed) > classes.threshold)
+    mask = largest_region(fast, size=texture_size(soil.shape)) & soil
+    share = float((mask & fast).sum() / fast.sum())
+    if share < LEAST_REGION_SHARE:
+        return _nothing_moves(soil, f"the largest region holds {share:.0%} of the fast pixels: they are scattered")
+    return MovingRegion(mask, True, f"moving and resting soil {step:.2f} px apart")
+
+
+def _nothing_moves(soil: np.ndarray, why: str) -> MovingRegion:
+    return MovingRegion(np.zeros(soil.shape, bool), False, f"no moving region: {why}")
+
+
+def two_means(values: np.ndarray, *, seed: int) -> TwoMeans:
+    """K-means with k = 2 on a scalar, fitted on at most `SAMPLE_SIZE` of the values.
+
+    Parameters
+    ----------
+    values : array
+        Finite, any shape.
+    seed : int
+        Of the sample and of the random starts.
+    """
+    sample = values.ravel()
+    if sample.size > SAMPLE_SIZE:
+        chosen = np.random.default_rng(seed).integers(0, sample.size, SAMPLE_SIZE)
+        sample = sample[chosen]
+    if sample.size == 0 or sample.min() == sample.max():
+        only = float(sample[0]) if sample.size else 0.0
+        return TwoMeans(only, only, only, 0.0)
+    return _fit_two_means(sample.astype(np.float64), seed)
+
+
+def _fit_two_means(sample: np.ndarray, seed: int) -> TwoMeans:
+    from sklearn.cluster import KMeans
+
+    # Several starts: a small class is easily missed by one.
+    fit = KMeans(n_clusters=2, n_init=5, random_state=seed).fit(sample[:, None])
+    # Rounded, as the sum over threads may end in other last digits on another machine.
+    low, high = (round(float(c), 6) for c in sorted(fit.cluster_centers_.ravel()))
+    threshold = (low + high) / 2
+    above = sample > threshold
+    spread = sample[above].std() + sample[~above].std()
+    separation = (high - low) / spread if spread > 0 else np.inf
+    return TwoMeans(low, high, threshold, float(separation))
+
+
+def texture_size(shape: tuple[int, ...]) -> int:
+    """Px over which grains are smoothed away: odd, a 120th of the shorter side, from 5 (which is 1 mm at 0.2 mm/px)."""
+    return max(5, 2 * round(min(shape) / 240) + 1)
+
+
+def largest_region(raw: np.ndarray, *, size: int) -> np.ndarray:
+    """The largest connected region with gaps narrower than about `size` px filled: (H, W) bool from (H, W) bool.
+
+    Dilation and erosion close gaps, erosion and dilation cut off threads; then what is enclosed and smaller than
+    `size` squared times ten is filled. An implement inside the soil is larger and stays out.
+    """
+    import cv2
+
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
+    closed = cv2.morphologyEx(raw.astype(np.uint8), cv2.MORPH_CLOSE, disc)
+    opened = cv2.morphologyEx(closed, cv2.MORPH_OPEN, disc)
+    region = _largest_component(opened)
+    return ~_without_specks(~region, 10 * size * size)
+
+
+def _largest_component(binary: np.ndarray) -> np.ndarray:
+    import cv2
+
+    count, labels, stats, _ = cv2.connectedComponentsWithStats(binary.astype(np.uint8), connectivity=4)
+    if count < 2:
+        return np.zeros(binary.shape, bool)
+    return labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+
+
+def _without_specks(binary: np.ndarray, least_area: int) -> np.ndarray:
+    """Only the components of at least `least_area` px."""
+    import cv2
+
+    _, labels, stats, _ = cv2.connectedComponentsWithStats(binary.astype(np.uint8), connectivity=8)
+    kept = stats[:, cv2.CC_STAT_AREA] >= least_area
+    kept[0] = False
+    return kept[labels]
+
+
+def _without_texture(picture: np.ndarray, size: int) -> np.ndarray:
+    """Median over `size` px, which keeps edges where they are; 8 bits are plenty to tell two classes."""
+    import cv2
+
+    return cv2.medianBlur(np.clip(np.rint(picture), 0, 255).astype(np.uint8), size).astype(np.float32)

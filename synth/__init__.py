@@ -1,0 +1,23 @@
+"""The virtual soil bin: scenes in, pictures and the truth about them out."""
+
+import importlib
+from typing import Any
+
+_HOMES = {
+    "Footage": "synth.footage",
+    "Recording": "synth.recording",
+    "Scene": "synth.scene",
+    "SceneError": "synth.scene",
+    "load_scene": "synth.scene",
+    "render": "synth.camera.render",
+    "scene_names": "synth.scene_files",
+    "simulate": "synth.simulate",
+}
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name from its home when it is first asked for: heavy libraries load only where needed."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'synth' has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOMES[name]), name)

@@ -1,0 +1,1 @@
+"""Grains on the glass -> picture: texture, light, glass, lens, sensor."""

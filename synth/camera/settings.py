@@ -1,0 +1,57 @@
+"""The tables of a scene that only the pictures depend on."""
+
+from typing import Literal
+
+from pydantic import Field
+
+from synth.table import Table
+
+
+class Camera(Table):
+    """Where the camera looks and how fine its pixels are.
+
+    The optical axis meets the glass at the carriage's axle plus `centre_x` for a travelling camera, at
+    `centre_x` of the world for a fixed one, and at the height `centre_z` of the world.
+    """
+
+    width: int = Field(ge=32, le=8192, description="px")
+    height: int = Field(ge=32, le=8192, description="px")
+    metres_per_pixel: float = Field(gt=0, le=0.01, description="m/px")
+    follows: Literal["carriage", "bin"]
+    centre_x: float = Field(description="m")
+    centre_z: float = Field(description="m")
+
+
+class Texture(Table):
+    """How micro-grains, of the soil's own size, move with the simulated particles."""
+
+    motion: Literal["interpolated", "carried"] = Field(
+        description="interpolated: by the locally affine motion of the particles around; carried: with one particle"
+    )
+    coverage: float = Field(gt=0.2, le=5, description="area of all micro-grains / area they are strewn over")
+
+
+class Light(Table):
+    """Two flood lights at a high angle from the normal of the glass."""
+
+    intensity: float = Field(gt=0, le=2, description="grey level / full scale of a white grain facing a lamp")
+    ambient: float = Field(ge=0, le=1, description="share of the light that comes from everywhere")
+    elevation: float = Field(gt=0, lt=90, description="deg, of the lamps above the plane of the glass")
+    background: float = Field(ge=0, le=1, description="grey level / full scale of what is not soil")
+    implement: float = Field(ge=0, le=1, description="grey level / full scale of the implement")
+
+
+class Lens(Table):
+    """What the lens does to the light before it reaches the sensor."""
+
+    blur: float = Field(ge=0, le=10, description="px, standard deviation of the point spread function")
+    vignetting: float = Field(ge=0, le=1, description="share of the light lost in the corners")
+
+
+class Sensor(Table):
+    """From light to grey levels."""
+
+    bits: Literal[8, 16]
+    full_well: float = Field(gt=0, description="electrons at full scale; sets the shot noise")
+    read_noise: float = Field(ge=0, description="electrons, standard deviation")
+    black_level: float = Field(ge=0, le=0.2, description="grey level / full scale without light")

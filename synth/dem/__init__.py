@@ -1,0 +1,1 @@
+"""The grains: contact law, neighbours, integration, bed, the run."""

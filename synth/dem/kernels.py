@@ -1,0 +1,343 @@
+"""The kernels: forces of contacts, then motion of grains, then motion of the implement.
+
+Every number has one writer: a pair's force is computed once and stored, then each grain gathers its own in a fixed
+order, so results are the same bytes on any number of threads. Two dimensions, plane strain; all per metre of width;
+rotations counter-clockwise positive in the (x, z) plane. Import only after `synth.devices.start_taichi`.
+"""
+
+import taichi as ti
+
+# rows of `motion`
+X, Z, VX, VZ, ANGLE, SPIN = range(6)
+# rows of `body`
+RADIUS, MASS, INERTIA = range(3)
+# rows of `pair_load`: force on the first grain, moments on both
+PAIR_FX, PAIR_FZ, PAIR_M1, PAIR_M2 = range(4)
+# rows of `pair_memory`, and per boundary of `boundary_memory`
+SHEAR, ROLL = range(2)
+FLOOR, LEFT, RIGHT, IMPLEMENT = range(4)
+BOUNDARY_COUNT = 4
+# entries of `tool`: its pose and motion, what drives it, and the impulse the grains gave it since last asked
+TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(6)
+TOOL_RADIUS, TOOL_MASS, TOOL_LOAD, TOOL_PX, TOOL_PZ, TOOL_PM = range(6, 12)
+TOOL_SIZE = 12
+
+STEPS_PER_LAUNCH = 8
+"""A launch costs as much as a tenth of a step of 10 000 grains: several steps share one."""
+
+Ref = ti.template()  # an array handed on to a function
+Row = ti.types.ndarray(ti.f64, ndim=1)
+Table = ti.types.ndarray(ti.f64, ndim=2)
+Index = ti.types.ndarray(ti.i32, ndim=1)
+IndexTable = ti.types.ndarray(ti.i32, ndim=2)
+Law = ti.types.struct(
+    normal_stiffness=ti.f64,
+    tangential_stiffness=ti.f64,
+    damping_ratio=ti.f64,
+    friction=ti.f64,
+    wall_friction=ti.f64,
+    implement_friction=ti.f64,
+    rolling_friction=ti.f64,
+)
+World = ti.types.struct(time_step=ti.f64, gravity_x=ti.f64, gravity_z=ti.f64, width=ti.f64, drag=ti.f64)
+
+
+@ti.func
+def limited(value, limit):
+    """The value, cut at plus and minus the limit."""
+    return ti.max(-limit, ti.min(limit, value))
+
+
+@ti.func
+def contact(overlap, approach, sliding, rolling, mass, reach, friction, memory, law, dt):
+    """Force law of one contact.
+
+    `approach`, `sliding` and `rolling` are the relative velocities along the normal (towards each other positive),
+    along the tangent and in rotation; `mass` and `reach` the reduced mass and radius; `memory` the shear force and
+    the rolling moment of the step before. Returns normal force, tangential force, rolling moment, new memory.
+    """
+    kn, kt = law.normal_stiffness, law.tangential_stiffness
+    damping = 2.0 * law.damping_ratio * ti.sqrt(mass)
+    normal = ti.max(0.0, kn * overlap + damping * ti.sqrt(kn) * approach)
+    limit = friction * normal
+    shear = memory[SHEAR] - kt * sliding * dt
+    total = shear - damping * ti.sqrt(kt) * sliding
+    tangential = limited(total, limit)
+    # Only a spring within the Coulomb limit is remembered: sliding does not wind it up.
+    shear = limited(shear, limit)
+    turn = 2.25 * kn * (law.rolling_friction * reach) ** 2
+    moment = limited(memory[ROLL] - turn * rolling * dt, law.rolling_friction * reach * normal)
+    return normal, tangential, moment, ti.Vector([shear, moment])
+
+
+@ti.func
+def pair_forces(p, dt, law, pairs: Ref, motion: Ref, body: Ref, pair_memory: Ref, pair_load: Ref):
+    """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
+    i, j = pairs[0, p], pairs[1, p]
+    dx, dz = motion[X, j] - motion[X, i], motion[Z, j] - motion[Z, i]
+    ri, rj = body[RADIUS, i], body[RADIUS, j]
+    square = dx * dx + dz * dz
+    load = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    memory = ti.Vector([0.0, 0.0])
+    if square < (ri + rj) * (ri + rj):
+        distance = ti.sqrt(square)
+        nx, nz = dx / distance, dz / distance
+        overlap = ri + rj - distance
+        arm_i, arm_j = ri - 0.5 * overlap, rj - 0.5 * overlap
+        vx, vz = motion[VX, i] - motion[VX, j], motion[VZ, i] - motion[VZ, j]
+        wi, wj = motion[SPIN, i], motion[SPIN, j]
+        mi, mj = body[MASS, i], body[MASS, j]
+        memory = ti.Vector([pair_memory[SHEAR, p], pair_memory[ROLL, p]])
+        normal, shear, moment, memory = contact(
+            overlap,
+            vx * nx + vz * nz,
+            vz * nx - vx * nz + wi * arm_i + wj * arm_j,
+            wi - wj,
+            mi * mj / (mi + mj),
+            ri * rj / (ri + rj),
+            law.friction,
+            memory,
+            law,
+            dt,
+        )
+        load = ti.Vector(
+            [
+                -normal * nx - shear * nz,
+                -normal * nz + shear * nx,
+                shear * arm_i + moment,
+                shear * arm_j - moment,
+            ]
+        )
+    for k in ti.static(range(4)):
+        pair_load[k, p] = load[k]
+    for k in ti.static(range(2)):
+        pair_memory[k, p] = memory[k]
+
+
+@ti.func
+def boundary_force(
+    i, boundary, overlap, nx, nz, surface, spin, arm, friction, law, dt, motion: Ref, body: Ref, memory: Ref
+):
+    """Force (fx, fz), moment on grain `i`, and moment on the boundary, from one that is in contact.
+
+    (nx, nz) points from the grain into the boundary; `surface` is the boundary's velocity at its centre, `spin`
+    its rotation and `arm` the contact's distance from that centre (a plane: no spin, no arm).
+    """
+    own_arm = body[RADIUS, i] - 0.5 * overlap
+    vx, vz = motion[VX, i] - surface[0], motion[VZ, i] - surface[1]
+    wi = motion[SPIN, i]
+    normal, shear, moment, kept = contact(
+        overlap,
+        vx * nx + vz * nz,
+        vz * nx - vx * nz + wi * own_arm + spin * arm,
+        wi - spin,
+        body[MASS, i],
+        body[RADIUS, i],
+        friction,
+        ti.Vector([memory[2 * boundary + SHEAR, i], memory[2 * boundary + ROLL, i]]),
+        law,
+        dt,
+    )
+    memory[2 * boundary + SHEAR, i] = kept[SHEAR]
+    memory[2 * boundary + ROLL, i] = kept[ROLL]
+    return ti.Vector(
+        [-normal * nx - shear * nz, -normal * nz + shear * nx, shear * own_arm + moment, shear * arm - moment]
+    )
+
+
+@ti.func
+def forget(i, boundary, memory: Ref):
+    """A contact that has ended."""
+    memory[2 * boundary + SHEAR, i] = 0.0
+    memory[2 * boundary + ROLL, i] = 0.0
+
+
+@ti.func
+def wall_forces(i, law, world, motion: Ref, body: Ref, memory: Ref):
+    """Force and moment of floor and end walls on grain `i`."""
+    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    still = ti.Vector([0.0, 0.0])
+    r, x, z = body[RADIUS, i], motion[X, i], motion[Z, i]
+    overlaps = ti.Vector([r - z, r - x, x + r - world.width])
+    for wall in ti.static(range(3)):
+        nx = ti.static((0.0, -1.0, 1.0)[wall])
+        nz = ti.static((-1.0, 0.0, 0.0)[wall])
+        if overlaps[wall] > 0.0:
+            total += boundary_force(
+                i,
+                wall,
+                overlaps[wall],
+                nx,
+                nz,
+                still,
+                0.0,
+                0.0,
+                law.wall_friction,
+                law,
+                world.time_step,
+                motion,
+                body,
+                memory,
+            )
+        else:
+            forget(i, wall, memory)
+    return total
+
+
+@ti.func
+def tool_force(i, law, world, tool: Ref, motion: Ref, body: Ref, memory: Ref):
+    """Force and moment of the wheel on grain `i`, and the moment of the grain about the axle."""
+    load = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    dx, dz = tool[TOOL_X] - motion[X, i], tool[TOOL_Z] - motion[Z, i]
+    reach = body[RADIUS, i] + tool[TOOL_RADIUS]
+    square = dx * dx + dz * dz
+    if square < reach * reach:
+        distance = ti.sqrt(square)
+        overlap = reach - distance
+        load = boundary_force(
+            i,
+            IMPLEMENT,
+            overlap,
+            dx / distance,
+            dz / distance,
+            ti.Vector([tool[TOOL_VX], tool[TOOL_VZ]]),
+            tool[TOOL_SPIN],
+            tool[TOOL_RADIUS] - 0.5 * overlap,
+            law.implement_friction,
+            law,
+            world.time_step,
+            motion,
+            body,
+            memory,
+        )
+    else:
+        forget(i, IMPLEMENT, memory)
+    return load
+
+
+@ti.func
+def move_grain(
+    i,
+    law,
+    world,
+    motion: Ref,
+    body: Ref,
+    tool: Ref,
+    first_contact: Ref,
+    contacts: Ref,
+    pair_load: Ref,
+    memory: Ref,
+    near_wall: Ref,
+    near_slot: Ref,
+    reaction: Ref,
+):
+    """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
+    load = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    if near_wall[i] != 0:
+        load = wall_forces(i, law, world, motion, body, memory)
+    for c in range(first_contact[i], first_contact[i + 1]):
+        p = contacts[c] // 2
+        if contacts[c] % 2 == 0:
+            load[0] += pair_load[PAIR_FX, p]
+            load[1] += pair_load[PAIR_FZ, p]
+            load[2] += pair_load[PAIR_M1, p]
+        else:
+            load[0] -= pair_load[PAIR_FX, p]
+            load[1] -= pair_load[PAIR_FZ, p]
+            load[2] += pair_load[PAIR_M2, p]
+    slot = near_slot[i]
+    if slot >= 0:
+        push = tool_force(i, law, world, tool, motion, body, memory)
+        load += push
+        reaction[0, slot] = -push[0]
+        reaction[1, slot] = -push[1]
+        reaction[2, slot] = push[3]
+    dt, mass = world.time_step, body[MASS, i]
+    motion[VX, i] += dt * (load[0] / mass + world.gravity_x - world.drag * motion[VX, i])
+    motion[VZ, i] += dt * (load[1] / mass + world.gravity_z - world.drag * motion[VZ, i])
+    motion[SPIN, i] += dt * (load[2] / body[INERTIA, i] - world.drag * motion[SPIN, i])
+    motion[X, i] += dt * motion[VX, i]
+    motion[Z, i] += dt * motion[VZ, i]
+    motion[ANGLE, i] += dt * motion[SPIN, i]
+
+
+@ti.func
+def move_tool(dt, tool: Ref, reaction: Ref, near_count):
+    """Sum what the grains do to the implement, in a fixed order; then one step of its motion.
+
+    It travels and turns as it is told, and rises and sinks under its load.
+    """
+    fx, fz, moment = 0.0, 0.0, 0.0
+    for k in range(near_count):
+        fx += reaction[0, k]
+        fz += reaction[1, k]
+        moment += reaction[2, k]
+    tool[TOOL_PX] += dt * fx
+    tool[TOOL_PZ] += dt * fz
+    tool[TOOL_PM] += dt * moment
+    tool[TOOL_VZ] += dt * (fz - tool[TOOL_LOAD]) / tool[TOOL_MASS]
+    tool[TOOL_X] += dt * tool[TOOL_VX]
+    tool[TOOL_Z] += dt * tool[TOOL_VZ]
+    tool[TOOL_ANGLE] += dt * tool[TOOL_SPIN]
+
+
+@ti.kernel
+def advance(
+    steps: ti.template(),
+    law: Law,
+    world: World,
+    grain_count: ti.i32,
+    pair_count: ti.i32,
+    near_count: ti.i32,
+    motion: Table,
+    body: Table,
+    pairs: IndexTable,
+    pair_memory: Table,
+    pair_load: Table,
+    first_contact: Index,
+    contacts: Index,
+    boundary_memory: Table,
+    near_wall: Index,
+    near_slot: Index,
+    reaction: Table,
+    tool: Row,
+):
+    """So many steps in one launch, unrolled: each loop below is a parallel task of its own."""
+    for _ in ti.static(range(steps)):
+        for p in range(pair_count):
+            pair_forces(p, world.time_step, law, pairs, motion, body, pair_memory, pair_load)
+        for i in range(grain_count):
+            move_grain(
+                i,
+                law,
+                world,
+                motion,
+                body,
+                tool,
+                first_contact,
+                contacts,
+                pair_load,
+                boundary_memory,
+                near_wall,
+                near_slot,
+                reaction,
+            )
+        ti.loop_config(serialize=True)
+        for _only in range(1):
+            move_tool(world.time_step, tool, reaction, near_count)
+
+
+@ti.kernel
+def greatest_shift(grain_count: ti.i32, motion: Table, listed: Table) -> ti.f64:
+    """Greatest squared distance of a grain from where it was when its neighbours were listed, m2.
+
+    A grain that is no longer a number counts as infinitely far.
+    """
+    greatest = 0.0
+    for i in range(grain_count):
+        dx, dz = motion[X, i] - listed[0, i], motion[Z, i] - listed[1, i]
+        square = dx * dx + dz * dz
+        if not square < 1e30:
+            square = 1e30
+        ti.atomic_max(greatest, square)
+    return greatest

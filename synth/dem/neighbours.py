@@ -1,0 +1,78 @@
+"""Who may touch whom until something has moved by half a skin: the Verlet list, and the memory it carries over."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+
+@dataclass(frozen=True)
+class NeighbourList:
+    """Pairs of grains nearer than their radii and the skin, in a canonical order.
+
+    Attributes
+    ----------
+    pairs : ndarray of int32, shape (2, P)
+        Indices with ``pairs[0] < pairs[1]``, sorted by the first, then the second.
+    first_contact : ndarray of int32, shape (N + 1,)
+        Where each grain's part of `contacts` begins.
+    contacts : ndarray of int32, shape (2 P,)
+        ``2 p`` where the grain is the first of pair p, ``2 p + 1`` where it is the second, ascending.
+    """
+
+    pairs: np.ndarray
+    first_contact: np.ndarray
+    contacts: np.ndarray
+
+    @property
+    def keys(self) -> np.ndarray:
+        """One ascending integer a pair, the same for the same two grains in every list, shape (P,)."""
+        grain_count = self.first_contact.size - 1
+        return self.pairs[0].astype(np.int64) * grain_count + self.pairs[1]
+
+
+def list_neighbours(position: np.ndarray, radius: np.ndarray, skin: float) -> NeighbourList:
+    """List the pairs whose surfaces are nearer than `skin` (m).
+
+    Parameters
+    ----------
+    position : ndarray, shape (2, N)
+        m.
+    radius : ndarray, shape (N,)
+        m.
+    """
+    candidates = cKDTree(position.T).query_pairs(2 * radius.max() + skin, output_type="ndarray")
+    i, j = candidates.min(axis=1), candidates.max(axis=1)
+    gap = np.hypot(*(position[:, i] - position[:, j])) - radius[i] - radius[j]
+    i, j = i[gap < skin], j[gap < skin]
+    order = np.lexsort((j, i))
+    pairs = np.stack([i[order], j[order]]).astype(np.int32)
+    return NeighbourList(pairs, *_by_grain(pairs, radius.size))
+
+
+def _by_grain(pairs: np.ndarray, grain_count: int) -> tuple[np.ndarray, np.ndarray]:
+    grains = pairs.T.reshape(-1)  # entry 2 p is the first grain of pair p, entry 2 p + 1 the second
+    contacts = np.argsort(grains, kind="stable").astype(np.int32)
+    first_contact = np.zeros(grain_count + 1, np.int32)
+    np.cumsum(np.bincount(grains, minlength=grain_count), out=first_contact[1:])
+    return first_contact, contacts
+
+
+def carry_memory(old: NeighbourList, memory: np.ndarray, new: NeighbourList) -> np.ndarray:
+    """What the pairs of the old list remember, at their places in the new one; a new pair remembers nothing.
+
+    Parameters
+    ----------
+    memory : ndarray, shape (2, P_old)
+
+    Returns
+    -------
+    ndarray, shape (2, P_new)
+    """
+    carried = np.zeros((memory.shape[0], new.pairs.shape[1]))
+    old_keys, new_keys = old.keys, new.keys
+    if old_keys.size and new_keys.size:
+        place = np.minimum(np.searchsorted(old_keys, new_keys), old_keys.size - 1)
+        known = old_keys[place] == new_keys
+        carried[:, known] = memory[:, place[known]]
+    return carried

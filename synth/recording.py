@@ -1,0 +1,124 @@
+"""What the simulator leaves behind: states at frame times, and forces finer in time."""
+
+import csv
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+SCHEMA_VERSION = 1
+
+# name: (dimensions, unit, meaning)
+VARIABLES = {
+    "time": (("frame",), "s", "time in the laboratory, 0 at the first frame"),
+    "carriage_x": (("frame",), "m", "position of the carriage along the bin; a travelling camera moves with it"),
+    "implement_x": (("frame",), "m", "position of the implement's reference point (a wheel's axle)"),
+    "implement_z": (("frame",), "m", "height of the implement's reference point"),
+    "implement_angle": (("frame",), "rad", "rotation of the implement since touch-down, counter-clockwise positive"),
+    "radius": (("particle",), "m", "radius of the particle"),
+    "position_x": (("frame", "particle"), "m", "position of the particle's centre along the bin"),
+    "position_z": (("frame", "particle"), "m", "height of the particle's centre"),
+    "angle": (("frame", "particle"), "rad", "rotation of the particle since settling, counter-clockwise positive"),
+    "velocity_x": (("frame", "particle"), "m s-1", "velocity of the particle along the bin, in laboratory time"),
+    "velocity_z": (("frame", "particle"), "m s-1", "upward velocity of the particle, in laboratory time"),
+    "sample_time": (("sample",), "s", "end of the interval a force is averaged over; 0 at the first frame"),
+    "travel": (("sample",), "m", "carriage travel since touch-down"),
+    "slip": (("sample",), "1", "1 - carriage speed / rim speed; for r omega < v: r omega / v - 1"),
+    "sinkage": (("sample",), "m", "depth of the implement's lowest point below the levelled surface"),
+    "force_x": (("sample",), "N", "force of the soil on the implement along travel: positive pulls (drawbar)"),
+    "force_z": (("sample",), "N", "upward force of the soil on the implement"),
+    "torque": (("sample",), "N m", "moment of the soil about the axle, counter-clockwise positive: resists driving"),
+}
+FORCE_COLUMNS = {
+    "time": "sample_time",
+    "travel": "travel",
+    "slip": "slip",
+    "sinkage": "sinkage",
+    "force_x": "force_x",
+    "force_z": "force_z",
+    "torque": "torque",
+}
+
+
+@dataclass(frozen=True)
+class Recording:
+    """States of particles and implement at frame times, and the implement's forces.
+
+    World frame: x along the bin, z up, z = 0 at the bin's floor; a plate is seen from above in the same frame.
+
+    Attributes
+    ----------
+    data : xarray.Dataset
+        The variables of `VARIABLES`, over `frame`, `particle` and `sample`. Attributes: `schema_version`,
+        `simulation_hash`, `surface_height` (m) and what the simulator reports of its own soundness.
+    """
+
+    data: "xr.Dataset"
+
+    @classmethod
+    def from_arrays(cls, arrays: "dict[str, np.ndarray]", attributes: dict[str, Any]) -> "Recording":
+        """Name, unit and meaning to every array; a variable that is missing or unknown is an error."""
+        import xarray as xr
+
+        if set(arrays) != set(VARIABLES):
+            raise ValueError(f"variables missing or unknown: {sorted(set(arrays) ^ set(VARIABLES))}")
+        variables = {
+            name: (dims, arrays[name], {"units": unit, "long_name": meaning})
+            for name, (dims, unit, meaning) in VARIABLES.items()
+        }
+        return cls(xr.Dataset(variables, attrs={"schema_version": SCHEMA_VERSION, **attributes}))
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Recording":
+        """Read `recording.nc` whole into memory.
+
+        Raises
+        ------
+        ValueError
+            Not a recording, or one of another schema version.
+        """
+        import xarray as xr
+
+        try:
+            data = xr.load_dataset(path, engine="h5netcdf")
+        except FileNotFoundError:
+            raise
+        except (OSError, ValueError, KeyError) as error:
+            raise ValueError(f"{path}: not a recording: {error}") from None
+        if data.attrs.get("schema_version") != SCHEMA_VERSION:
+            version = data.attrs.get("schema_version")
+            raise ValueError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
+        return cls(data)
+
+    def write(self, path: str | Path) -> None:
+        """Write `recording.nc` (netCDF-4, compressed without loss)."""
+        encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.data.data_vars}
+        self.data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
+
+    def write_forces(self, path: str | Path) -> None:
+        """Write `forces.csv`: one line a record, units in the header."""
+        columns = {
+            f"{column} [{VARIABLES[name][1]}]": self.data[name].values for column, name in FORCE_COLUMNS.items()
+        }
+        with Path(path).open("w", newline="", encoding="utf-8") as file:
+            writer = csv.writer(file)
+            writer.writerow(columns)
+            writer.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))
+
+    @property
+    def frame_count(self) -> int:
+        """Number of recorded frames."""
+        return self.data.sizes["frame"]
+
+    @property
+    def digest(self) -> str:
+        """SHA-256 over the values of every variable, in the order of `VARIABLES`, hexadecimal."""
+        import hashlib
+
+        digest = hashlib.sha256()
+        for name in VARIABLES:
+            digest.update(self.data[name].values.tobytes())
+        return digest.hexdigest()

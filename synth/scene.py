@@ -1,0 +1,234 @@
+"""What an experiment is: a TOML file in, a resolved scene with every number in it out."""
+
+import hashlib
+import json
+import tomllib
+from pathlib import Path
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field, TypeAdapter, ValidationError, model_validator
+
+from synth.camera.settings import Camera, Lens, Light, Sensor, Texture
+from synth.implements import Plate, RigidWheel
+from synth.scene_files import scene_names, scenes_folder, soil_names
+from synth.soil import Soil
+from synth.table import Table
+
+SCHEMA_VERSION = 1
+GRAVITY = 9.81
+"""Acceleration of gravity, m/s2."""
+
+_PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor"}
+_LABELS = {"name", "description", "quick"}
+
+
+class SceneError(ValueError):
+    """A scene that cannot be used; the message names file, key, value and what is allowed."""
+
+
+class Bed(Table):
+    """The soil bed as it is prepared."""
+
+    width: float = Field(gt=0, le=5, description="m, between the end walls")
+    depth: float = Field(gt=0, le=2, description="m, from the floor to the levelled surface")
+    grain_diameter: float = Field(gt=0, description="m, mean diameter of the simulated particles")
+    polydispersity: float = Field(ge=0, le=0.5, description="half-width of the uniform spread / mean diameter")
+    settling_friction: float = Field(ge=0, le=2, description="grain friction while settling; sets the density")
+
+
+class Contact(Table):
+    """Stiffness of contacts and how finely they are resolved in time."""
+
+    normal_stiffness: float = Field(gt=0, description="N/m per metre of width")
+    tangential_stiffness_ratio: float = Field(gt=0, le=1, description="tangential / normal stiffness")
+    steps_per_contact: int = Field(ge=15, le=200, description="time steps in the shortest binary collision")
+
+
+class Timing(Table):
+    """When pictures are taken, and how much faster than in the laboratory the grains are driven."""
+
+    frame_rate: float = Field(gt=0, description="1/s, in the laboratory's time")
+    frame_count: int = Field(ge=2, le=100_000)
+    samples_per_frame: int = Field(default=1, ge=1, le=1000, description="records of force between two frames")
+    speed_up: float = Field(default=1.0, gt=0, le=100, description="simulated / laboratory speed (quasi-static)")
+
+
+class _Scene(Table):
+    """What every scene has."""
+
+    schema_version: Literal[1]
+    name: str = Field(pattern=r"^[A-Za-z0-9_\-]+$")
+    description: str
+    seed: int = Field(default=0, ge=0, lt=2**63)
+    quick: bool = False
+    soil: Soil
+    timing: Timing
+    camera: Camera
+    texture: Texture
+    light: Light
+    lens: Lens
+    sensor: Sensor
+
+    def to_dict(self) -> dict[str, Any]:
+        """Every key with its value, defaults included."""
+        return self.model_dump(mode="json")
+
+    def to_toml(self) -> str:
+        """The resolved scene as TOML; `load_scene` reads it back to an equal scene."""
+        import tomli_w
+
+        return tomli_w.dumps(self.to_dict())
+
+    @property
+    def hash(self) -> str:
+        """SHA-256 over every value of the scene, hexadecimal."""
+        return _digest(self.to_dict())
+
+    @property
+    def simulation_hash(self) -> str:
+        """SHA-256 over what the motion of the grains depends on: the scene without its pictures and labels."""
+        return _digest({k: v for k, v in self.to_dict().items() if k not in _PICTURE_TABLES | _LABELS})
+
+
+class SoilBinScene(_Scene):
+    """An implement working in a glass-walled soil bin."""
+
+    kind: Literal["soil_bin"]
+    bed: Bed
+    contact: Contact
+    implement: RigidWheel
+
+    @model_validator(mode="after")
+    def _fits(self) -> Self:
+        travel = self.implement.run_in + self._recorded_travel()
+        reach = self.implement.start + travel + self.implement.radius
+        if self.implement.start < self.implement.radius or reach > self.bed.width:
+            raise ValueError(
+                f"the wheel must stay between the end walls: it sweeps x = "
+                f"{self.implement.start - self.implement.radius:.3f} to {reach:.3f} m of bed.width = {self.bed.width} m"
+            )
+        if self.bed.depth < 5 * self.bed.grain_diameter:
+            raise ValueError(
+                f"bed.grain_diameter = {self.bed.grain_diameter} m is too coarse: at most a fifth of bed.depth"
+            )
+        return self
+
+    def _recorded_travel(self) -> float:
+        return self.implement.carriage_speed * (self.timing.frame_count - 1) / self.timing.frame_rate
+
+
+class PlateScene(_Scene):
+    """A plate with a layer of soil, turned about a pin and seen from above."""
+
+    kind: Literal["plate_rotation"]
+    implement: Plate
+
+
+Scene = SoilBinScene | PlateScene
+_SCENE: TypeAdapter[Scene] = TypeAdapter(Annotated[Scene, Field(discriminator="kind")])
+
+
+def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | None = None) -> Scene:
+    """Read a scene file.
+
+    Parameters
+    ----------
+    name_or_path : str or Path
+        A shipped scene's name or a TOML file.
+    quick : bool
+        Apply the file's `[quick]` table: a smaller and coarser version of the same scene.
+    seed : int, optional
+        Another realisation of bed, texture and noise.
+
+    Raises
+    ------
+    SceneError
+        With file, key, value and what is allowed.
+    """
+    path = _find(name_or_path)
+    tables = _read_toml(path)
+    overrides = tables.pop("quick", None)
+    if isinstance(overrides, bool):  # a resolved scene, which says what it was made with
+        tables["quick"] = overrides
+    elif quick:
+        if overrides is None:
+            raise SceneError(f"{path}: quick: this scene has no [quick] table")
+        tables = {**_merged(tables, overrides, path, "quick"), "quick": True}
+    if seed is not None:
+        tables["seed"] = seed
+    return parse_scene(tables, source=str(path))
+
+
+def parse_scene(tables: dict[str, Any], *, source: str = "scene") -> Scene:
+    """Check the tables of a scene and resolve its soil; `source` stands in front of every complaint.
+
+    Raises
+    ------
+    SceneError
+        With key, value and what is allowed.
+    """
+    soil = tables.get("soil")
+    if isinstance(soil, str):
+        tables = {**tables, "soil": _load_soil(soil, source)}
+    try:
+        return _SCENE.validate_python(tables)
+    except ValidationError as error:
+        raise SceneError(_complaint(error, source)) from None
+
+
+def _find(name_or_path: str | Path) -> Path:
+    path = Path(name_or_path)
+    if path.suffix == ".toml" or path.is_file():
+        if not path.is_file():
+            raise SceneError(f"{path}: no such file; shipped scenes: {', '.join(scene_names())}")
+        return path
+    shipped = scenes_folder() / f"{name_or_path}.toml"
+    if str(name_or_path) not in scene_names():
+        raise SceneError(
+            f"scene {str(name_or_path)!r} is neither a file nor a shipped scene: {', '.join(scene_names())}"
+        )
+    return shipped
+
+
+def _read_toml(path: Path) -> dict[str, Any]:
+    try:
+        return tomllib.loads(path.read_text(encoding="utf-8"))
+    except OSError as error:
+        raise SceneError(f"{path}: {error.strerror}") from None
+    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        raise SceneError(f"{path}: not TOML: {error}") from None
+
+
+def _load_soil(name: str, source: str) -> dict[str, Any]:
+    if name not in soil_names():
+        raise SceneError(f"{source}: soil = {name!r}: allowed is a table or one of {', '.join(soil_names())}")
+    return _read_toml(scenes_folder() / "soils" / f"{name}.toml")
+
+
+def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> dict[str, Any]:
+    if not isinstance(overrides, dict):
+        raise SceneError(f"{path}: {where} = {overrides!r}: a table is needed")
+    merged = dict(tables)
+    for key, value in overrides.items():
+        nested = isinstance(merged.get(key), dict)
+        merged[key] = _merged(merged[key], value, path, f"{where}.{key}") if nested else value
+    return merged
+
+
+def _complaint(error: ValidationError, source: str) -> str:
+    """The first fault in one line."""
+    fault = error.errors(include_url=False)[0]
+    key = ".".join(str(part) for part in fault["loc"][1:]) or str(fault["loc"][0] if fault["loc"] else "scene")
+    message = fault["msg"].removeprefix("Value error, ")
+    if fault["type"] == "extra_forbidden":
+        message = "unknown key"
+    if fault["type"] == "missing":
+        return f"{source}: {key}: missing"
+    value = fault["input"]
+    shown = "" if isinstance(value, dict) else f" = {value!r}"
+    return f"{source}: {key}{shown}: {message}"
+
+
+def _digest(tables: dict[str, Any]) -> str:
+    canonical = json.dumps(tables, sort_keys=True, separators=(",", ":"), allow_nan=False)
+    return hashlib.sha256(canonical.encode()).hexdigest()

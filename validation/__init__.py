@@ -1,0 +1,1 @@
+"""Where measurement and truth meet: scores, reports and the command line."""
