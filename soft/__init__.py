@@ -7,7 +7,7 @@ from importlib import import_module
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
-    from soft.analyze import analyze
+    from soft.analysis import analyze
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, write_flo
     from soft.inertial import InertialMotion, to_inertial
@@ -25,7 +25,7 @@ _HOMES = {
     "SequenceError": "soft.sequence",
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
-    "analyze": "soft.analyze",
+    "analyze": "soft.analysis",
     "check_soil_flow": "soft.soilflow",
     "direction_figure": "soft.figures",
     "estimate_flow": "soft.flow",
@@ -74,7 +74,6 @@ def __getattr__(name: str) -> object:
     home = _HOMES.get(name)
     if home is None:
         raise AttributeError(f"module 'soft' has no attribute {name!r}")
-    # `soft.analyze` is a module too: importing it sets the attribute to the module, this sets the function.
     value = getattr(import_module(home), name)
     globals()[name] = value
     return value

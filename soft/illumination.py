@@ -13,8 +13,9 @@ OUTLIER = 2.5
 def flatten_illumination(picture: np.ndarray) -> np.ndarray:
     """Grey levels over the illumination of the picture's larger part: (H, W) float32, about 1 there.
 
-    The illumination is a quadratic surface in x and y, fitted again and again without the pixels that lie far off it
-    (median absolute deviation), so that an implement much darker or lighter than the rest does not bend it.
+    The illumination is a quadratic surface in x and y, fitted again and again without the pixels that lie far
+    off it (median absolute deviation), so that an implement much darker or lighter than the rest does not
+    bend it.
 
     Parameters
     ----------
@@ -47,6 +48,7 @@ def _robust_fit(terms: list[np.ndarray], grey: np.ndarray) -> np.ndarray:
     shape = np.broadcast_shapes(*(term.shape for term in terms))
     matrix = np.stack([np.broadcast_to(term, shape).ravel() for term in terms], axis=1).astype(np.float64)
     used = np.ones(grey.size, bool)
+    coefficients = np.zeros(len(terms))
     for _ in range(ROUNDS):
         coefficients = np.linalg.lstsq(matrix[used], grey[used], rcond=None)[0]
         residual = np.abs(grey - matrix @ coefficients)

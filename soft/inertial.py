@@ -12,9 +12,9 @@ class InertialMotion:
     Attributes
     ----------
     camera_u, camera_v : float
-        Apparent displacement of resting soil in the picture in px, x right and y down: what is subtracted. A camera
-        that travels to the right by 3 px sees resting soil move to the left: `camera_u` is -3. NaN where no soil
-        pixel was valid; `camera_v` is 0 unless the vertical was asked for.
+        Apparent displacement of resting soil in the picture in px, x right and y down: what is subtracted. A
+        camera that travels to the right by 3 px sees resting soil move to the left: `camera_u` is -3. NaN
+        where no soil pixel was valid; `camera_v` is 0 unless the vertical was asked for.
     displacement : (H, W, 2) float32
         (u - camera_u, v - camera_v) in px, NaN where the input was.
     """
@@ -34,8 +34,8 @@ def to_inertial(displacement: np.ndarray, soil: np.ndarray, *, vertical: bool = 
     soil : (H, W) bool
         Where soil is.
     vertical : bool, optional
-        Take the vertical median out too. By default the vertical is left as measured, as in the paper: the carriage
-        travels horizontally, and a vertical median would hide soil that settles as a whole.
+        Take the vertical median out too. By default the vertical is left as measured, as in the paper: the
+        carriage travels horizontally, and a vertical median would hide soil that settles as a whole.
     """
     on_soil = displacement[soil & np.isfinite(displacement).all(axis=2)]
     # A median of nothing is unknown, not zero.

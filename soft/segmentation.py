@@ -1,20 +1,21 @@
-"""Soil or not, moving or not: k-means with two classes, and the largest region made whole (section 2.3, Clustering)."""
+"""Soil or not, moving or not: k-means with two classes, and the largest region made whole (section 2.3)."""
 
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from soft.illumination import flatten_illumination
 
 # Classes are fitted on this many pixels at most: with one feature and two classes more changes nothing.
-SAMPLE_SIZE = 50_000
+SAMPLE_SIZE = 20_000
 
-# Distance of the class centres over the sum of the classes' standard deviations. Two-means cuts any single heap
-# somewhere: a normal one to 1.3, a flat one to 1.7. From 2 the classes stand apart.
+# Distance of the class centres over the sum of the classes' standard deviations. Two-means cuts any single
+# heap somewhere: a normal one to 1.3, a flat one to 1.7. From 2 the classes stand apart.
 LEAST_SEPARATION = 2.0
 
-# px. Twice the 0.3 px that bound 95 % of the errors on a rotated plate (section 3.1.1): below it, what two-means
-# finds is the error's own spread.
+# px. Twice the 0.3 px that bound 95 % of the errors on a rotated plate (section 3.1.1): below it, what
+# two-means finds is the error's own spread.
 LEAST_SPEED_STEP = 0.6
 
 # Of the pixels called moving, this share must hang together: errors are scattered, a moving mass is not.
@@ -27,8 +28,8 @@ SOIL_CHOICES = ("bright", "dark", "all")
 class TwoMeans:
     """Two classes of a scalar; a value belongs to the nearer centre, so `threshold` lies half-way.
 
-    `separation` is the distance of the centres over the sum of the standard deviations; infinite for two values,
-    zero where there are not even two.
+    `separation` is the distance of the centres over the sum of the standard deviations; infinite for two
+    values, zero where there are not even two.
     """
 
     low: float
@@ -78,16 +79,18 @@ class MovingRegion:
 def soil_mask(picture: np.ndarray, *, soil: str = "bright", seed: int = 0) -> SoilRegion:
     """Tell soil from implement and background by grey level.
 
-    Two-means on the grey levels, the largest region of the soil's class, its gaps filled. Grains and gaps between
-    them are smoothed away first by a median filter. Where the light falls off so much that the grey levels of the
-    whole picture show no two classes, a smooth illumination is divided out before they are looked for again.
+    Two-means on the grey levels, the largest region of the soil's class, its gaps filled. Grains and gaps
+    between them are smoothed away first by a median filter. Where the light falls off so much that the grey
+    levels of the whole picture show no two classes, a smooth illumination is divided out before they are
+    looked for again.
 
     Parameters
     ----------
     picture : (H, W) array
         Grey, 0-255.
     soil : str, optional
-        `bright` (light soil, dark implement and background), `dark`, or `all` (the picture shows nothing else).
+        `bright` (light soil, dark implement and background), `dark`, or `all` (the picture shows nothing
+        else).
     seed : int, optional
         Of the random start of k-means and of the sample it sees.
 
@@ -108,15 +111,17 @@ def soil_mask(picture: np.ndarray, *, soil: str = "bright", seed: int = 0) -> So
             raw = grey > classes.threshold if soil == "bright" else grey <= classes.threshold
             mask = largest_region(raw, size=size)
             return SoilRegion(mask, True, f"soil by {how}: classes {classes.separation:.1f} apart")
-    return SoilRegion(np.ones(picture.shape, bool), False, "grey levels show no two classes: all counts as soil")
+    return SoilRegion(
+        np.ones(picture.shape, bool), False, "grey levels show no two classes: all counts as soil"
+    )
 
 
 def moving_mask(speed: np.ndarray, soil: np.ndarray, *, seed: int = 0) -> MovingRegion:
     """Tell moving from resting soil by speed in the inertial frame.
 
-    Two-means on the speeds over soil, the largest region of the faster class, its gaps filled. Two-means splits any
-    numbers, also the errors of a field in which nothing moves. So the region is empty unless the classes lie
-    `LEAST_SPEED_STEP` apart and enough of the faster class hangs together.
+    Two-means on the speeds over soil, the largest region of the faster class, its gaps filled. Two-means
+    splits any numbers, also the errors of a field in which nothing moves. So the region is empty unless the
+    classes lie `LEAST_SPEED_STEP` apart and enough of the faster class hangs together.
 
     Parameters
     ----------
@@ -137,7 +142,9 @@ def moving_mask(speed: np.ndarray, soil: np.ndarray, *, seed: int = 0) -> Moving
     mask = largest_region(fast, size=texture_size(soil.shape)) & soil
     share = float((mask & fast).sum() / fast.sum())
     if share < LEAST_REGION_SHARE:
-        return _nothing_moves(soil, f"the largest region holds {share:.0%} of the fast pixels: they are scattered")
+        return _nothing_moves(
+            soil, f"the largest region holds {share:.0%} of the fast pixels: they are scattered"
+        )
     return MovingRegion(mask, True, f"moving and resting soil {step:.2f} px apart")
 
 
@@ -167,11 +174,14 @@ def two_means(values: np.ndarray, *, seed: int) -> TwoMeans:
 
 def _fit_two_means(sample: np.ndarray, seed: int) -> TwoMeans:
     from sklearn.cluster import KMeans
+    from threadpoolctl import threadpool_limits
 
-    # Several starts: a small class is easily missed by one.
-    fit = KMeans(n_clusters=2, n_init=5, random_state=seed).fit(sample[:, None])
-    # Rounded, as the sum over threads may end in other last digits on another machine.
-    low, high = (round(float(c), 6) for c in sorted(fit.cluster_centers_.ravel()))
+    # Several starts: a small class is easily missed by one. (Any: its inferred type is that of "auto".)
+    starts: Any = 5
+    # One thread: sums come in one order everywhere, and so few numbers are not worth more.
+    with threadpool_limits(1):
+        fit = KMeans(n_clusters=2, n_init=starts, random_state=seed).fit(sample[:, None])
+    low, high = (float(c) for c in sorted(fit.cluster_centers_.ravel()))
     threshold = (low + high) / 2
     above = sample > threshold
     spread = sample[above].std() + sample[~above].std()
@@ -180,15 +190,15 @@ def _fit_two_means(sample: np.ndarray, seed: int) -> TwoMeans:
 
 
 def texture_size(shape: tuple[int, ...]) -> int:
-    """Px over which grains are smoothed away: odd, a 120th of the shorter side, from 5 (which is 1 mm at 0.2 mm/px)."""
+    """Px over which grains are smoothed away: odd, a 120th of the shorter side, 5 at least."""
     return max(5, 2 * round(min(shape) / 240) + 1)
 
 
 def largest_region(raw: np.ndarray, *, size: int) -> np.ndarray:
-    """The largest connected region with gaps narrower than about `size` px filled: (H, W) bool from (H, W) bool.
+    """Fill gaps narrower than about `size` px in the largest connected region: (H, W) bool from (H, W) bool.
 
-    Dilation and erosion close gaps, erosion and dilation cut off threads; then what is enclosed and smaller than
-    `size` squared times ten is filled. An implement inside the soil is larger and stays out.
+    Dilation and erosion close gaps, erosion and dilation cut off threads; then what is enclosed and smaller
+    than `size` squared times ten is filled. An implement inside the soil is larger and stays out.
     """
     import cv2
 
@@ -205,7 +215,7 @@ def _largest_component(binary: np.ndarray) -> np.ndarray:
     count, labels, stats, _ = cv2.connectedComponentsWithStats(binary.astype(np.uint8), connectivity=4)
     if count < 2:
         return np.zeros(binary.shape, bool)
-    return labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA]))
+    return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
 
 
 def _without_specks(binary: np.ndarray, least_area: int) -> np.ndarray:
@@ -213,9 +223,9 @@ def _without_specks(binary: np.ndarray, least_area: int) -> np.ndarray:
     import cv2
 
     _, labels, stats, _ = cv2.connectedComponentsWithStats(binary.astype(np.uint8), connectivity=8)
-    kept = stats[:, cv2.CC_STAT_AREA] >= least_area
+    kept = np.asarray(stats[:, cv2.CC_STAT_AREA] >= least_area)
     kept[0] = False
-    return kept[labels]
+    return kept[np.asarray(labels, np.intp)]
 
 
 def _without_texture(picture: np.ndarray, size: int) -> np.ndarray:

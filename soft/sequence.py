@@ -2,6 +2,7 @@
 
 import math
 import tomllib
+import warnings
 from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
@@ -26,8 +27,8 @@ class SequenceError(ValueError):
 class ImageSequence:
     """Grey pictures of one size, in order of time.
 
-    Made by `open` (a folder) or `from_arrays`. Frames of a folder are decoded when asked for and not kept, so a
-    long sequence takes no more memory than the frames in use.
+    Made by `open` (a folder) or `from_arrays`. Frames of a folder are decoded when asked for and not kept, so
+    a long sequence takes no more memory than the frames in use.
 
     Attributes
     ----------
@@ -60,8 +61,8 @@ class ImageSequence:
         Parameters
         ----------
         path : str or Path
-            A folder with a `sequence.toml`, or one with at least two pictures (png, jpg, jpeg, tif, tiff, bmp),
-            which are taken in natural order of their names (`a2` before `a10`). It is never written to.
+            A folder with a `sequence.toml`, or one with at least two pictures (png, jpg, jpeg, tif, tiff,
+            bmp), which are taken in natural order of their names (`a2` before `a10`). It is never written to.
         metres_per_pixel : float, optional
             Pixel size in m; takes the place of the one in `sequence.toml`.
         frame_rate : float, optional
@@ -104,7 +105,8 @@ class ImageSequence:
         Parameters
         ----------
         pictures : sequence of arrays
-            (H, W) grey or (H, W, 3) red-green-blue; uint8, uint16 (scaled to 0-255) or floating (0-255 already).
+            (H, W) grey or (H, W, 3) red-green-blue; uint8, uint16 (scaled to 0-255) or floating (0-255
+            already).
         metres_per_pixel, frame_rate : float, optional
             Pixel size in m; frames per second in 1/s.
 
@@ -113,7 +115,9 @@ class ImageSequence:
         SequenceError
             If there are fewer than two, or one has another shape or type.
         """
-        frames = tuple(to_grey(np.asarray(picture), name=f"picture {k}") for k, picture in enumerate(pictures))
+        frames = tuple(
+            to_grey(np.asarray(picture), name=f"picture {k}") for k, picture in enumerate(pictures)
+        )
         _require_two(len(frames), "from_arrays")
         for k, frame in enumerate(frames):
             _require_same_shape(frame.shape, frames[0].shape, f"picture {k}")
@@ -167,8 +171,8 @@ class ImageSequence:
 def read_picture(path: Path) -> np.ndarray:
     """Decode one picture file to (H, W) float32 grey in 0-255, rows as stored (EXIF rotation is not applied).
 
-    A rig's camera often looks down through a mirror, where its orientation sensor reports chance: ignoring it keeps
-    every frame the same way up.
+    A rig's camera often looks down through a mirror, where its orientation sensor reports chance: ignoring it
+    keeps every frame the same way up.
 
     Raises
     ------
@@ -186,7 +190,8 @@ def to_grey(picture: np.ndarray, *, name: str) -> np.ndarray:
     Parameters
     ----------
     picture : (H, W), (H, W, 1), (H, W, 3) or (H, W, 4) array
-        Red, green, blue in this order; a fourth channel (opacity) is dropped. uint8, uint16 or floating 0-255.
+        Red, green, blue in this order; a fourth channel (opacity) is dropped. uint8, uint16 or floating
+        0-255.
     name : str
         What to call the picture in an error message.
     """
@@ -203,8 +208,10 @@ def to_grey(picture: np.ndarray, *, name: str) -> np.ndarray:
         raise SequenceError(f"{name}: shape {picture.shape}: allowed are (H, W), (H, W, 3) and (H, W, 4)")
     if picture.size == 0:
         raise SequenceError(f"{name}: shape {picture.shape}: the picture is empty")
-    # 65535 / 257 is 255 exactly.
-    return grey / np.float32(257.0) if picture.dtype == np.uint16 else grey
+    if picture.dtype == np.uint16:
+        grey = grey / np.float32(257.0)  # 65535 / 257 is 255 exactly
+    # The weighted sum of white may be rounded to a little more than white.
+    return np.minimum(grey, np.float32(255.0)) if picture.ndim == 3 and picture.dtype.kind == "u" else grey
 
 
 def _decode(path: Path) -> np.ndarray:
@@ -233,7 +240,8 @@ def _stored_shape(path: Path) -> tuple[int, int]:
     from PIL import Image
 
     try:
-        with Image.open(path) as image:
+        # What a damaged header makes Pillow warn of is told by the error.
+        with warnings.catch_warnings(action="ignore"), Image.open(path) as image:
             return image.height, image.width
     except (OSError, SyntaxError, Image.DecompressionBombError) as error:
         raise SequenceError(f"{path}: {_why_unreadable(path)}") from error
@@ -265,7 +273,9 @@ def _common_shape(files: list[Path]) -> tuple[int, int]:
 
 def _require_two(count: int, where: str) -> None:
     if count < 2:
-        raise SequenceError(f"{where}: {count} picture{'' if count == 1 else 's'}: at least 2 are needed for motion")
+        raise SequenceError(
+            f"{where}: {count} picture{'' if count == 1 else 's'}: at least 2 are needed for motion"
+        )
 
 
 def _require_same_shape(shape: tuple[int, ...], first: tuple[int, ...], name: str) -> None:
@@ -292,7 +302,9 @@ def _read_sequence_file(path: Path) -> tuple[list[Path], float, float]:
         if key not in table:
             raise SequenceError(f"{path}: {key} is missing")
     if table["schema_version"] != SCHEMA_VERSION:
-        raise SequenceError(f"{path}: schema_version {table['schema_version']!r}: this reads {SCHEMA_VERSION}")
+        raise SequenceError(
+            f"{path}: schema_version {table['schema_version']!r}: this reads {SCHEMA_VERSION}"
+        )
     try:
         scale = _positive("metres_per_pixel", table["metres_per_pixel"])
         rate = _positive("frame_rate", table["frame_rate"])

@@ -1,10 +1,10 @@
 """Dense inverse search (Kroeger, Timofte, Dai, Van Gool, ECCV 2016), as OpenCV has it.
 
-OpenCV's DIS takes 8-bit pictures: `to_8bit` says what that loses. It knows no mask, so pixels beside a masked region
-are measured with that region's texture.
+OpenCV's DIS takes 8-bit pictures: `to_8bit` says what that loses. It knows no mask, so pixels beside a masked
+region are measured with that region's texture.
 """
 
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
@@ -35,8 +35,9 @@ PRESETS = ("ultrafast", "fast", "medium")
 class DisOptions:
     """A preset and what differs from it; None keeps the preset's value.
 
-    `finest_scale` is the pyramid level the flow is measured on (0 = full resolution, 1 = half), `coarsest_scale` the
-    one it starts from (None: chosen from the picture size). Patch sizes are px of that level.
+    `finest_scale` is the pyramid level the flow is measured on (0 = full resolution, 1 = half),
+    `coarsest_scale` the one it starts from (None: chosen from the picture size). Patch sizes are px of that
+    level.
     """
 
     preset: str = "medium"
@@ -88,7 +89,7 @@ def _solver(options: DisOptions) -> Any:
 
 
 def _require_pyramid_fits(solver: Any, shape: tuple[int, int]) -> None:
-    """Refuse pictures whose coarsest or finest level is smaller than a patch: OpenCV 5.0 crashes on some of them."""
+    """Refuse pictures with a level that is smaller than a patch: OpenCV 5.0 crashes on some of them."""
     finest, coarsest, patch = solver.getFinestScale(), solver.getCoarsestScale(), solver.getPatchSize()
     if 0 <= coarsest < finest:
         raise FlowError(f"coarsest_scale: {coarsest}: must be at least finest_scale, which is {finest}")
@@ -109,8 +110,9 @@ def _solve(first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: Dis
 
 def _resolved(options: DisOptions) -> dict[str, object]:
     solver = _solver(options)
-    told = {name: getattr(solver, f"get{setter}")() for name, setter in _SETTERS.items()}
-    return asdict(options) | told
+    told: dict[str, object] = {name: getattr(solver, f"get{setter}")() for name, setter in _SETTERS.items()}
+    # OpenCV says -1 where it chooses from the picture size.
+    return {"preset": options.preset} | told | {"coarsest_scale": options.coarsest_scale}
 
 
 ESTIMATOR = Estimator("dis", DisOptions, _solve, resolved=_resolved)

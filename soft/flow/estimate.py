@@ -1,4 +1,4 @@
-"""`estimate_flow`: checks what goes in, lets an estimator work, and says where its answer is a measurement."""
+"""`estimate_flow`: checks what goes in, lets an estimator work, says where its answer is a measurement."""
 
 from collections.abc import Callable
 
@@ -48,9 +48,9 @@ def estimate_flow(
     Returns
     -------
     FlowField
-        Displacement in px, x right and y down, forward, on the grid of `first`. Not valid, and NaN: outside the mask,
-        where the motion leads out of the picture, where the method gave none, and, with the built-in methods, where
-        the first picture has no texture within 7 px.
+        Displacement in px, x right and y down, forward, on the grid of `first`. Not valid, and NaN: outside
+        the mask, where the motion leads out of the picture, where the method gave none, and, with the
+        built-in methods, where the first picture has no texture within 7 px.
 
     Raises
     ------
@@ -59,7 +59,9 @@ def estimate_flow(
     """
     estimator = find_estimator(method)
     if device not in estimator.devices:
-        raise FlowError(f"device {device!r}: method {estimator.name!r} runs on {', '.join(estimator.devices)}")
+        raise FlowError(
+            f"device {device!r}: method {estimator.name!r} runs on {', '.join(estimator.devices)}"
+        )
     settings = estimator.options(options)
     first, second = _checked_pictures(first, second, estimator)
     usable = _checked_mask(mask, first.shape)
@@ -71,7 +73,10 @@ def estimate_flow(
 
 
 def has_texture(picture: np.ndarray) -> np.ndarray:
-    """Where grey levels within 7 px differ by more than rounding does: (H, W) bool from (H, W) float32 0-255."""
+    """Tell where grey levels within 7 px differ by more than rounding does.
+
+    (H, W) bool from (H, W) float32 0-255.
+    """
     import cv2
 
     window = np.ones((TEXTURE_WINDOW, TEXTURE_WINDOW), np.uint8)
@@ -79,7 +84,7 @@ def has_texture(picture: np.ndarray) -> np.ndarray:
 
 
 def lands_inside(displacement: np.ndarray) -> np.ndarray:
-    """Where a displacement (H, W, 2) px ends between the outermost pixel centres; False for NaN."""
+    """Tell where a displacement (H, W, 2) px ends between the outermost pixel centres; False for NaN."""
     height, width = displacement.shape[:2]
     x = np.arange(width, dtype=np.float32) + displacement[:, :, 0]
     y = np.arange(height, dtype=np.float32)[:, None] + displacement[:, :, 1]

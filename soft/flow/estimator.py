@@ -14,9 +14,10 @@ class Solver(Protocol):
     """Measures displacement; knows nothing of textureless pixels or of motion out of the picture."""
 
     def __call__(self, first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: Any, /) -> FlowField:
-        """Displacement from `first` to `second`, both (H, W) float32 0-255 and finite; mask (H, W) bool, True = use.
+        """Measure displacement from `first` to `second`.
 
-        The pictures have the same shape, and the mask is true somewhere.
+        Both are (H, W) float32 0-255, finite and of one shape; mask is (H, W) bool, True = use, and true
+        somewhere.
         """
         ...
 
@@ -52,5 +53,5 @@ class Estimator:
     own_texture: bool = False
 
     def options(self, given: Mapping[str, object]) -> Any:
-        """The options dataclass from keywords; unknown ones are a FlowError."""
+        """Build the options dataclass from keywords; unknown ones are a FlowError."""
         return build_options(self.options_type, self.name, given)

@@ -1,7 +1,8 @@
 """Polynomial expansion (Farnebäck, SCIA 2003), as OpenCV has it.
 
-OpenCV works on floats here, so nothing of a 16-bit picture is lost. It knows no mask, so pixels beside a masked region
-are measured with that region's texture.
+OpenCV works on floats here, so nothing of a 16-bit picture is lost; but its equations carry a fixed small
+number against division by zero, so at a contrast of a few grey levels displacements come out too small. It
+knows no mask, so pixels beside a masked region are measured with that region's texture.
 """
 
 from dataclasses import dataclass
@@ -17,17 +18,17 @@ from soft.flow.options import require_count, require_flag, require_number
 class FarnebackOptions:
     """OpenCV's parameters under plain names.
 
-    `pyramid_scale` is the size of a level over that of the finer one, `window_size` the px over which neighbours'
-    equations are averaged (with a Gaussian if `gaussian_window`, else a box), `polynomial_size` the px of
-    neighbourhood of the expansion and `polynomial_sigma` the width of its Gaussian weight in px.
+    `pyramid_scale` is the size of a level over that of the finer one, `window_size` the px over which
+    neighbours' equations are averaged (with a Gaussian if `gaussian_window`, else a box), `polynomial_size`
+    the px of neighbourhood of the expansion and `polynomial_sigma` the width of its Gaussian weight in px.
     """
 
-    pyramid_scale: float = 0.5
-    level_count: int = 5
-    window_size: int = 15
+    pyramid_scale: float = 0.7
+    level_count: int = 8
+    window_size: int = 25
     iteration_count: int = 5
-    polynomial_size: int = 7
-    polynomial_sigma: float = 1.5
+    polynomial_size: int = 5
+    polynomial_sigma: float = 1.1
     gaussian_window: bool = True
 
     def __post_init__(self) -> None:

@@ -13,9 +13,10 @@ class FlowError(ValueError):
 class FlowField:
     """Displacement at every pixel of the first picture.
 
-    Integer coordinates lie at pixel centres, x right, y down; displacements are px, forward, from the first picture
-    to the second, on the first picture's grid. A pixel is valid exactly where its displacement is finite: the
-    constructor takes `valid` down where the displacement is not finite, and puts NaN everywhere that is not valid.
+    Integer coordinates lie at pixel centres, x right, y down; displacements are px, forward, from the first
+    picture to the second, on the first picture's grid. A pixel is valid exactly where its displacement is
+    finite: the constructor takes `valid` down where the displacement is not finite, and puts NaN everywhere
+    that is not valid.
 
     Attributes
     ----------
@@ -54,12 +55,12 @@ class FlowField:
             object.__setattr__(self, name, _companion(name, getattr(self, name), valid, tail))
 
     def where(self, usable: np.ndarray) -> "FlowField":
-        """The same field, valid only where `usable` (H, W) bool is true as well."""
+        """Return the same field, valid only where `usable` (H, W) bool is true as well."""
         return FlowField(self.displacement, self.valid & usable, self.uncertainty, self.gradient)
 
 
 def _companion(name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...]):
-    """A copy of `values` as float32 with NaN where the field is not valid."""
+    """Copy `values` as float32 with NaN where the field is not valid."""
     if values is None:
         return None
     copy = np.array(values, dtype=np.float32)

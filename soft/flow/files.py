@@ -70,11 +70,13 @@ class FlowFiles:
     def require_pairs(self, count: int) -> None:
         """Refuse the folder unless it has exactly one file for each of `count` pairs."""
         if len(self) != count:
-            raise FlowError(f"{PREFIX}{self.folder}: {len(self)} .flo files for {count} pairs: one each is needed")
+            raise FlowError(
+                f"{PREFIX}{self.folder}: {len(self)} .flo files for {count} pairs: one each is needed"
+            )
 
 
 def from_files(method: str) -> Estimator:
-    """An estimator that reads instead of measuring, from `files:FOLDER`."""
+    """Make an estimator that reads instead of measuring, from `files:FOLDER`."""
     files = FlowFiles(method.removeprefix(PREFIX))
 
     def solve(first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: FilesOptions) -> FlowField:

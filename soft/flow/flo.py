@@ -1,7 +1,8 @@
 """Middlebury `.flo` files: the one place that reads and writes them.
 
-Layout (Baker et al. 2011, the set's `README.txt`): the float 202021.25 ("PIEH" in ASCII), width and height as int32,
-then rows of interleaved u, v as float32, all little-endian. A component above 1e9 in magnitude means unknown.
+Layout (Baker et al. 2011, the set's `README.txt`): the float 202021.25 ("PIEH" in ASCII), width and height as
+int32, then rows of interleaved u, v as float32, all little-endian. A component above 1e9 in magnitude means
+unknown.
 """
 
 from pathlib import Path

@@ -29,7 +29,7 @@ def opencv_threads(count: int | None) -> Iterator[None]:
 def to_8bit(picture: np.ndarray) -> np.ndarray:
     """Grey 0-255 rounded to uint8, contiguous.
 
-    Exact for 8-bit pictures. Deeper ones lose up to half a grey level a pixel, which matters only where the texture
-    has a contrast of a few grey levels.
+    Exact for 8-bit pictures. Deeper ones lose up to half a grey level a pixel, which matters only where the
+    texture has a contrast of a few grey levels.
     """
     return np.ascontiguousarray(np.clip(np.rint(picture), 0, 255).astype(np.uint8))

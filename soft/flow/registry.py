@@ -16,7 +16,7 @@ BUILT_IN = {
 
 
 def find_estimator(method: str | Callable) -> Estimator:
-    """The estimator that `method` names.
+    """Find the estimator that `method` names.
 
     Parameters
     ----------

@@ -16,10 +16,10 @@ class NoOptions:
 
 
 def from_function(function: Callable, name: str | None = None) -> Estimator:
-    """An estimator from `f(first, second, mask) -> (H, W, 2)` displacement in px.
+    """Make an estimator from `f(first, second, mask) -> (H, W, 2)` displacement in px.
 
-    The function gets copies, grey (H, W) float32 0-255 and a bool mask (True = use), and says by NaN where it could
-    not measure.
+    The function gets copies, grey (H, W) float32 0-255 and a bool mask (True = use), and says by NaN where it
+    could not measure.
     """
     name = name or _name_of(function)
 
@@ -34,7 +34,7 @@ def from_function(function: Callable, name: str | None = None) -> Estimator:
 
 
 def from_import_path(path: str) -> Estimator:
-    """An estimator from `package.module:function`.
+    """Make an estimator from `package.module:function`.
 
     Raises
     ------

@@ -1,0 +1,196 @@
+import json
+import tracemalloc
+
+import cv2
+import numpy as np
+import pytest
+import xarray
+
+from soft import (
+    FlowError,
+    ImageSequence,
+    SoilFlowError,
+    analyze,
+    check_soil_flow,
+    read_soil_flow,
+    write_flo,
+)
+
+
+@pytest.fixture
+def sequence(moved):
+    """Three pictures of soil on the move by (1.5, -0.75) px, calibrated."""
+    pictures = [moved(shift=(1.5 * k, -0.75 * k))[1] for k in range(3)]
+    return ImageSequence.from_arrays(pictures, metres_per_pixel=2e-4, frame_rate=8)
+
+
+def test_soil_flow_of_a_moving_camera(sequence):
+    flow = analyze(sequence, soil="all")
+    assert dict(flow.sizes) == {"pair": 2, "y": 160, "x": 220}
+    inner = flow.isel(y=slice(20, -20), x=slice(20, -20))
+    assert np.allclose(inner["u"].median(("y", "x")), 1.5, atol=0.1)
+    assert np.allclose(inner["v"].median(("y", "x")), -0.75, atol=0.1)
+    assert np.allclose(flow["camera_u"], 1.5, atol=0.1)
+    assert (flow["camera_v"] == 0).all()
+    assert abs(float(inner["inertial_u"].median())) < 0.05
+    # Up in the picture is up in the world: 0.75 px at 0.2 mm and 8 frames a second.
+    assert np.allclose(inner["velocity_z"].median(), 0.75 * 2e-4 * 8, rtol=0.1)
+    assert flow["time"].values.tolist() == [0.0, 0.125]
+    assert flow["first_frame"].values.tolist() == [0, 1]
+    assert flow["second_frame"].values.tolist() == [1, 2]
+    assert not flow["moving"].any()
+    assert flow["uncertainty_u"].isnull().all()
+    assert np.array_equal(flow["valid"], np.isfinite(flow["u"]))
+
+
+def test_vertical_camera_motion_on_request(sequence):
+    flow = analyze(sequence, soil="all", vertical=True)
+    assert np.allclose(flow["camera_v"], -0.75, atol=0.1)
+    assert abs(float(flow["inertial_v"].median())) < 0.05
+
+
+def test_file_and_memory_agree(sequence, tmp_path):
+    steps = []
+    path = tmp_path / "dis.nc"
+    in_memory = analyze(sequence, soil="all")
+    with analyze(sequence, soil="all", path=path, progress=lambda *a: steps.append(a)) as on_disk:
+        xarray.testing.assert_equal(in_memory, on_disk)
+        assert set(in_memory.attrs) == set(on_disk.attrs)
+        for name in in_memory.variables:
+            assert in_memory[name].dtype == on_disk[name].dtype
+            assert in_memory[name].attrs == on_disk[name].attrs
+    assert steps == [(0, 2), (1, 2), (2, 2)]
+
+
+def test_attributes_tell_what_was_done(sequence):
+    attributes = analyze(sequence, method="farneback", options={"window_size": 9}, soil="all", seed=4).attrs
+    assert attributes["schema_version"] == 1
+    assert attributes["method"] == "farneback"
+    options = json.loads(attributes["options"])
+    assert options["window_size"] == 9
+    assert options["pyramid_scale"] == 0.7, "defaults must be spelt out"
+    assert json.loads(attributes["versions"])["opencv"] == cv2.__version__
+    assert attributes["seconds_per_pair"] > 0
+    assert (attributes["metres_per_pixel"], attributes["frame_rate"]) == (2e-4, 8.0)
+    assert any("no moving region" in remark for remark in json.loads(attributes["remarks"]))
+
+
+def test_recorded_options_can_be_given_again(sequence):
+    options = json.loads(analyze(sequence, soil="all").attrs["options"])
+    xarray.testing.assert_equal(analyze(sequence, soil="all", options=options), analyze(sequence, soil="all"))
+
+
+def test_without_calibration(picture_folder):
+    flow = analyze(ImageSequence.open(picture_folder), soil="all")
+    assert "velocity_x" not in flow
+    assert "metres_per_pixel" not in flow.attrs
+    assert flow["time"].values.tolist() == [0.0, 1.0]
+    assert flow["time"].attrs["units"] == "frame"
+    check_soil_flow(flow)
+    assert json.loads(flow.attrs["frames"]) == ["shot9.png", "shot10.png", "shot11.png"]
+
+
+def test_moving_region_in_the_inertial_frame(moved):
+    """A camera that sees resting soil pass by at -2 px, and a block of soil that goes right through it."""
+    first, second, _ = moved(shift=(-2.0, 0.0))
+    _, block, _ = moved(shift=(3.0, 0.0))
+    second[50:120, 70:150] = block[50:120, 70:150]
+    flow = analyze(ImageSequence.from_arrays([first, second]), soil="all")
+    moving = flow["moving"].values[0]
+    assert float(flow["camera_u"][0]) == pytest.approx(-2, abs=0.1)
+    assert moving[60:110, 80:140].mean() > 0.95
+    assert moving[:35].sum() == moving[140:].sum() == 0
+    assert np.median(flow["inertial_u"].values[0][60:110, 80:140]) == pytest.approx(5, abs=0.2)
+
+
+def test_flow_from_files(sequence, tmp_path):
+    for k in range(2):
+        write_flo(tmp_path / f"{k}.flo", np.full((160, 220, 2), (k + 1.0, 0.5)))
+    flow = analyze(sequence, method=f"files:{tmp_path}", soil="all")
+    assert flow["u"].max(("y", "x")).values.tolist() == [1.0, 2.0]
+    (tmp_path / "1.flo").unlink()
+    with pytest.raises(FlowError, match=r"1 \.flo files for 2 pairs"):
+        analyze(sequence, method=f"files:{tmp_path}")
+
+
+def test_bad_requests_fail_before_a_file_is_made(sequence, tmp_path):
+    path = tmp_path / "x.nc"
+    for keywords, error in (
+        ({"method": "nothing"}, FlowError),
+        ({"options": {"nothing": 1}}, FlowError),
+        ({"soil": "red"}, ValueError),
+    ):
+        with pytest.raises(error):
+            analyze(sequence, path=path, **keywords)
+    assert not path.exists()
+
+
+def test_memory_does_not_grow_with_the_sequence(tmp_path):
+    """Twelve pairs on disk must not take more than a few pairs in memory."""
+    noise = np.random.default_rng(0).integers(60, 200, (256, 320)).astype(np.uint8)
+    for k in range(13):
+        cv2.imwrite(str(tmp_path / f"{k}.png"), noise)
+    still = _still_soil
+    peaks = []
+    for count in (3, 13):
+        sequence = ImageSequence.open(tmp_path)
+        short = ImageSequence(sequence.names[:count], sequence.shape, None, None, sequence._sources[:count])
+        analyze(short, method=still, soil="all", path=tmp_path / "warm.nc").close()
+        tracemalloc.start()
+        analyze(short, method=still, soil="all", path=tmp_path / "x.nc").close()
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.2 * peaks[0]
+
+
+def _still_soil(first, second, mask):
+    return np.zeros((*first.shape, 2))
+
+
+class TestValidator:
+    @pytest.fixture
+    def flow(self, sequence):
+        return analyze(sequence, method=_still_soil, soil="all")
+
+    def test_other_versions_are_refused(self, flow, tmp_path):
+        flow.attrs["schema_version"] = 2
+        flow.to_netcdf(tmp_path / "x.nc", engine="h5netcdf")
+        with pytest.raises(SoilFlowError, match=r"x\.nc: schema_version 2: this reads 1"):
+            read_soil_flow(tmp_path / "x.nc")
+
+    @pytest.mark.parametrize(
+        ("change", "message"),
+        [
+            (lambda f: f.drop_vars("soil"), "variable soil is missing"),
+            (lambda f: f.drop_vars("velocity_z"), "variable velocity_z is missing"),
+            (lambda f: f.drop_vars("time"), "variable time is missing"),
+            (lambda f: f.assign(valid=f["valid"].astype(float)), "variable valid: type float64"),
+            (lambda f: f.assign(u=f["u"].assign_attrs(units="m")), "variable u: units m: must be px"),
+            (lambda f: f.assign(u=f["u"].isel(pair=0)), "variable u: dimensions"),
+            (lambda f: f.assign_attrs(schema_version=None), "no schema_version"),
+        ],
+    )
+    def test_wrong_forms_are_refused(self, flow, change, message):
+        with pytest.raises(SoilFlowError, match=message):
+            check_soil_flow(change(flow))
+
+    def test_no_file_and_no_netcdf(self, tmp_path):
+        with pytest.raises(SoilFlowError, match="no such file"):
+            read_soil_flow(tmp_path / "x.nc")
+        (tmp_path / "x.nc").write_text("nothing")
+        with pytest.raises(SoilFlowError, match="not a readable"):
+            read_soil_flow(tmp_path / "x.nc")
+
+
+def test_tbar_flow_is_plausible(real_data):
+    """At a quarter of the size, where the 2 px, and 3.6 px (95 %) near the tool, are 0.5 and 0.9 px."""
+    pictures = [
+        cv2.resize(cv2.imread(str(path), 0), None, fx=0.25, fy=0.25, interpolation=cv2.INTER_AREA)
+        for path in sorted((real_data / "tbar").glob("*.jpg"))[:2]
+    ]
+    flow = analyze(ImageSequence.from_arrays(pictures))
+    u, v = (flow[name].values[0] for name in ("u", "v"))
+    speed = np.where(flow["soil"].values[0] & flow["valid"].values[0], np.hypot(u, v), np.nan)
+    assert np.nanmedian(speed) == pytest.approx(0.5, abs=0.1)
+    assert np.nanpercentile(speed[225:525, 225:725], 95) == pytest.approx(0.9, abs=0.15)
+    assert np.nanmedian(v) > 0.4, "the soil goes towards the lower edge"
