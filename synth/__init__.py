@@ -11,7 +11,7 @@ _HOMES = {
     "load_scene": "synth.scene",
     "render": "synth.camera.render",
     "scene_names": "synth.scene_files",
-    "simulate": "synth.simulate",
+    "simulate": "synth.simulation",
 }
 __all__ = sorted(_HOMES)
 

@@ -32,8 +32,12 @@ class Bed(Table):
     width: float = Field(gt=0, le=5, description="m, between the end walls")
     depth: float = Field(gt=0, le=2, description="m, from the floor to the levelled surface")
     grain_diameter: float = Field(gt=0, description="m, mean diameter of the simulated particles")
-    polydispersity: float = Field(ge=0, le=0.5, description="half-width of the uniform spread / mean diameter")
-    settling_friction: float = Field(ge=0, le=2, description="grain friction while settling; sets the density")
+    polydispersity: float = Field(
+        ge=0, le=0.5, description="half-width of the uniform spread / mean diameter"
+    )
+    settling_friction: float = Field(
+        ge=0, le=2, description="grain friction while settling; sets the density"
+    )
 
 
 class Contact(Table):
@@ -49,8 +53,12 @@ class Timing(Table):
 
     frame_rate: float = Field(gt=0, description="1/s, in the laboratory's time")
     frame_count: int = Field(ge=2, le=100_000)
-    samples_per_frame: int = Field(default=1, ge=1, le=1000, description="records of force between two frames")
-    speed_up: float = Field(default=1.0, gt=0, le=100, description="simulated / laboratory speed (quasi-static)")
+    samples_per_frame: int = Field(
+        default=1, ge=1, le=1000, description="records of force between two frames"
+    )
+    speed_up: float = Field(
+        default=1.0, gt=0, le=100, description="simulated / laboratory speed (quasi-static)"
+    )
 
 
 class _Scene(Table):
@@ -125,6 +133,7 @@ class PlateScene(_Scene):
 
 
 Scene = SoilBinScene | PlateScene
+_KINDS = "soil_bin, plate_rotation"
 _SCENE: TypeAdapter[Scene] = TypeAdapter(Annotated[Scene, Field(discriminator="kind")])
 
 
@@ -216,17 +225,20 @@ def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> d
 
 
 def _complaint(error: ValidationError, source: str) -> str:
-    """The first fault in one line."""
+    """The first fault in one line: file, key, value, what is allowed."""
     fault = error.errors(include_url=False)[0]
-    key = ".".join(str(part) for part in fault["loc"][1:]) or str(fault["loc"][0] if fault["loc"] else "scene")
-    message = fault["msg"].removeprefix("Value error, ")
-    if fault["type"] == "extra_forbidden":
-        message = "unknown key"
-    if fault["type"] == "missing":
+    kind, value = fault["type"], fault["input"]
+    if kind.startswith("union_tag"):  # the table's `kind`, before any other key is looked at
+        found = value.get("kind") if isinstance(value, dict) else None
+        return f"{source}: kind" + (
+            f" = {found!r}: allowed are {_KINDS}" if found else f": missing; allowed are {_KINDS}"
+        )
+    key = ".".join(str(part) for part in fault["loc"][1:]) or "scene"
+    if kind == "missing":
         return f"{source}: {key}: missing"
-    value = fault["input"]
     shown = "" if isinstance(value, dict) else f" = {value!r}"
-    return f"{source}: {key}{shown}: {message}"
+    said = "unknown key" if kind == "extra_forbidden" else fault["msg"].removeprefix("Value error, ")
+    return f"{source}: {key}{shown}: {said}"
 
 
 def _digest(tables: dict[str, Any]) -> str:

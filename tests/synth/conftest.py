@@ -1,0 +1,36 @@
+import os
+
+import pytest
+
+from synth.scene import SoilBinScene, load_scene, parse_scene
+
+
+@pytest.fixture(scope="session", autouse=True)
+def own_cache(tmp_path_factory):
+    """Beds of tests are made by the code under test, not found in a user's cache."""
+    before = os.environ.get("SOFTBED_CACHE")
+    os.environ["SOFTBED_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    yield
+    if before is None:
+        del os.environ["SOFTBED_CACHE"]
+    else:
+        os.environ["SOFTBED_CACHE"] = before
+
+
+@pytest.fixture(scope="session")
+def tiny_wheel() -> SoilBinScene:
+    """A wheel of 3 cm radius in a bed of about 300 grains: seconds to run, and still soil."""
+    tables = load_scene("rolling_wheel", quick=True).to_dict()
+    tables["name"] = "tiny_wheel"
+    tables["bed"] |= {"width": 0.16, "depth": 0.03, "grain_diameter": 3.5e-3}
+    tables["implement"] |= {
+        "radius": 0.03,
+        "normal_load": 4.0,
+        "moving_mass": 0.04,
+        "start": 0.05,
+        "run_in": 0.01,
+    }
+    tables["contact"] |= {"normal_stiffness": 2.0e6}
+    tables["timing"] |= {"frame_count": 4}
+    tables["camera"] |= {"width": 320, "height": 160, "centre_z": 0.022}
+    return parse_scene(tables)

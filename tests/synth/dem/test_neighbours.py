@@ -1,0 +1,46 @@
+import numpy as np
+
+from synth.dem.neighbours import carry_memory, list_neighbours
+
+
+def scattered(seed, count=200):
+    rng = np.random.default_rng(seed)
+    return rng.uniform(0, 0.03, (2, count)), rng.uniform(0.8e-3, 1.2e-3, count)
+
+
+def test_list_holds_exactly_the_near_pairs_in_order():
+    position, radius = scattered(0)
+    listed = list_neighbours(position, radius, 0.5e-3)
+    gap = np.hypot(*(position[:, :, None] - position[:, None, :])) - radius[:, None] - radius[None, :]
+    expected = np.argwhere(np.triu(gap < 0.5e-3, k=1))
+    np.testing.assert_array_equal(listed.pairs.T, expected)
+
+
+def test_each_grain_finds_its_pairs_and_its_side():
+    position, radius = scattered(1)
+    listed = list_neighbours(position, radius, 0.5e-3)
+    for grain in range(radius.size):
+        own = listed.contacts[listed.first_contact[grain] : listed.first_contact[grain + 1]]
+        assert np.all(listed.pairs[own % 2, own // 2] == grain)
+        assert np.all(np.diff(own) > 0)
+    assert listed.first_contact[-1] == listed.contacts.size == 2 * listed.pairs.shape[1]
+
+
+def test_memory_follows_its_pair():
+    position, radius = scattered(2)
+    old = list_neighbours(position, radius, 0.5e-3)
+    memory = np.stack([old.keys * 1.0, -old.keys * 1.0])
+    moved = position + np.random.default_rng(3).normal(0, 0.3e-3, position.shape)
+    new = list_neighbours(moved, radius, 0.5e-3)
+    carried = carry_memory(old, memory, new)
+    known = np.isin(new.keys, old.keys)
+    assert 0.3 < known.mean() < 1
+    np.testing.assert_array_equal(carried[0], np.where(known, new.keys, 0))
+    np.testing.assert_array_equal(carried[1], -carried[0])
+
+
+def test_no_pair_at_all():
+    position = np.array([[0.0, 1.0], [0.0, 0.0]])
+    listed = list_neighbours(position, np.full(2, 1e-3), 1e-4)
+    assert listed.pairs.shape == (2, 0)
+    assert carry_memory(listed, np.zeros((2, 0)), listed).shape == (2, 0)

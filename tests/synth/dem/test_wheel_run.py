@@ -1,0 +1,111 @@
+import csv
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from synth import Recording, simulate
+from synth.dem.bed import prepare_bed, settled_bed
+from synth.scene import GRAVITY
+
+
+@pytest.fixture(scope="module")
+def recording(tiny_wheel):
+    return simulate(tiny_wheel)
+
+
+def test_bed_is_settled_level_and_of_the_soils_density(tiny_wheel, recording):
+    bed = settled_bed(tiny_wheel)
+    assert bed.grains.position[1].min() > 0
+    top = (bed.grains.position[1] + bed.grains.radius).max()
+    assert tiny_wheel.bed.depth - tiny_wheel.bed.grain_diameter < top <= tiny_wheel.bed.depth * 1.01
+    assert 0.74 < bed.solid_fraction < 0.88
+    assert bed.grains.density * bed.solid_fraction == pytest.approx(tiny_wheel.soil.bulk_density)
+
+
+def test_bed_in_the_cache_is_the_bed_that_was_made(tiny_wheel):
+    cached, made = settled_bed(tiny_wheel), prepare_bed(tiny_wheel)
+    np.testing.assert_array_equal(cached.grains.position, made.grains.position)
+    np.testing.assert_array_equal(cached.grains.radius, made.grains.radius)
+
+
+def test_frames_and_samples_are_where_the_scene_wants_them(tiny_wheel, recording):
+    data, timing, wheel = recording.data, tiny_wheel.timing, tiny_wheel.implement
+    assert recording.frame_count == timing.frame_count
+    np.testing.assert_allclose(np.diff(data.time), 1 / timing.frame_rate)
+    assert data.sample_time.values[-1] == pytest.approx(data.time.values[-1])
+    step = wheel.carriage_speed / timing.frame_rate
+    np.testing.assert_allclose(np.diff(data.carriage_x), step, rtol=1e-9)
+    np.testing.assert_allclose(
+        np.diff(data.implement_angle), -wheel.rim_speed / wheel.radius / timing.frame_rate
+    )
+    travel = data.carriage_x.values[0] - wheel.start
+    assert wheel.run_in * (1 - 1e-9) <= travel < wheel.run_in + step
+
+
+def test_soil_carries_the_load(tiny_wheel, recording):
+    after = recording.data.where(recording.data.sample_time > 0, drop=True)
+    assert float(after.force_z.mean()) == pytest.approx(tiny_wheel.implement.normal_load, rel=0.15)
+    assert float(after.sinkage.min()) > 0
+    assert float(after.torque.mean()) > 0
+
+
+def test_driven_wheel_drives_soil_backwards_beneath_and_forwards_ahead(tiny_wheel, recording):
+    data, wheel = recording.data, tiny_wheel.implement
+    moved = (data.position_x.isel(frame=-1) - data.position_x.isel(frame=0)).values
+    x, z = data.position_x.values[0] - data.implement_x.values[0], data.position_z.values[0]
+    bottom = data.implement_z.values[0] - wheel.radius
+    beneath = (
+        (x < 0) & (x > -wheel.radius / 2) & (z < bottom) & (z > bottom - 2 * tiny_wheel.bed.grain_diameter)
+    )
+    ahead = (x > wheel.radius / 2) & (x < wheel.radius) & (z > bottom)
+    assert moved[beneath].mean() < 0 < moved[ahead].mean()
+
+
+def test_grains_stay_in_the_bin_and_hardly_overlap(tiny_wheel, recording):
+    data = recording.data
+    assert float(data.position_x.min()) > 0
+    assert float(data.position_x.max()) < tiny_wheel.bed.width
+    assert float(data.position_z.min()) > 0
+    assert 0 < data.attrs["overlap_p99"] < 0.01
+
+
+def test_recording_on_disk_is_the_recording(tmp_path, recording):
+    recording.write(tmp_path / "recording.nc")
+    assert Recording.read(tmp_path / "recording.nc").digest == recording.digest
+
+
+def test_forces_csv_has_units_and_a_line_a_record(tmp_path, recording):
+    recording.write_forces(tmp_path / "forces.csv")
+    header, *lines = csv.reader((tmp_path / "forces.csv").read_text().splitlines())
+    assert header == [
+        "time [s]", "travel [m]", "slip [1]", "sinkage [m]", "force_x [N]", "force_z [N]", "torque [N m]",
+    ]  # fmt: skip
+    assert len(lines) == recording.data.sizes["sample"]
+
+
+def test_same_bytes_on_one_and_two_threads_and_on_a_rerun(tmp_path, tiny_wheel, recording):
+    scene = tmp_path / "scene.toml"
+    scene.write_text(tiny_wheel.to_toml())
+    program = (
+        "import sys; from synth import load_scene, simulate; "
+        "print(simulate(load_scene(sys.argv[1]), threads=int(sys.argv[2])).digest)"
+    )
+    digests = {recording.digest}
+    for threads in (1, 2):
+        environment = os.environ | {"SOFTBED_CACHE": str(tmp_path / f"cache{threads}")}
+        output = subprocess.run(
+            [sys.executable, "-c", program, scene, str(threads)],
+            env=environment,
+            capture_output=True,
+            text=True,
+            check=True,
+        ).stdout
+        digests.add(output.strip())
+    assert len(digests) == 1
+
+
+def test_gravity_is_the_earths():
+    assert pytest.approx(9.81) == GRAVITY

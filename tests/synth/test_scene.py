@@ -1,0 +1,115 @@
+import math
+import re
+import tomllib
+
+import pytest
+
+from synth.scene import SceneError, load_scene, parse_scene
+from synth.scene_files import scene_names, scenes_folder
+
+SHIPPED = sorted(scenes_folder().rglob("*.toml"))
+
+
+@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("quick", [False, True])
+def test_resolved_scene_reads_back_equal(tmp_path, name, quick):
+    scene = load_scene(name, quick=quick, seed=7)
+    path = tmp_path / "scene.toml"
+    path.write_text(scene.to_toml())
+    again = load_scene(path)
+    assert again == scene
+    assert again.hash == scene.hash
+    assert (again.quick, again.seed) == (quick, 7)
+
+
+@pytest.mark.parametrize("path", SHIPPED, ids=lambda path: path.name)
+def test_every_number_of_a_shipped_file_says_where_it_comes_from(path):
+    for line in path.read_text().splitlines():
+        number = re.match(r"(\w+) = [-+0-9.]", line)
+        if number and number.group(1) not in {"schema_version", "seed"}:
+            assert re.search(r"#.*\w", line), f"{path.name}: {line}"
+
+
+def test_rolling_wheel_is_the_papers():
+    scene = load_scene("rolling_wheel")
+    assert scene.implement.radius == 0.114
+    assert scene.implement.carriage_speed == pytest.approx(0.008)
+    assert (scene.camera.height, scene.camera.width, scene.camera.metres_per_pixel) == (600, 1200, 0.2e-3)
+    assert (scene.timing.frame_rate, scene.timing.frame_count) == (8.0, 101)
+
+
+def test_plate_corners_move_as_published():
+    scene = load_scene("plate_rotation")
+    corner = math.hypot(scene.camera.width / 2, scene.camera.height / 2)
+    assert corner * scene.implement.rotation == pytest.approx(15.6, abs=0.05)
+
+
+def test_quick_rolling_wheel_is_still_fine_grained():
+    scene = load_scene("rolling_wheel", quick=True)
+    grain = math.pi / 4 * scene.bed.grain_diameter**2 * (1 + scene.bed.polydispersity**2 / 3)
+    assert 0.79 * scene.bed.width * scene.bed.depth / grain >= 10_000
+    assert scene.camera.metres_per_pixel == 0.2e-3
+
+
+def test_pictures_do_not_change_the_simulation_hash():
+    tables = load_scene("rolling_wheel").to_dict()
+    other = {**tables, "sensor": {**tables["sensor"], "read_noise": 20.0}}
+    assert parse_scene(other).simulation_hash == parse_scene(tables).simulation_hash
+    assert parse_scene(other).hash != parse_scene(tables).hash
+    assert parse_scene({**tables, "seed": 1}).simulation_hash != parse_scene(tables).simulation_hash
+
+
+@pytest.mark.parametrize(
+    ("table", "key", "value", "says"),
+    [
+        ("bed", "width", -1, r"bed.width = -1: .*greater than 0"),
+        ("bed", "width", 0.2, r"must stay between the end walls.*bed.width = 0.2"),
+        ("bed", "wdith", 1, r"bed.wdith = 1: unknown key"),
+        ("bed", "grain_diameter", math.nan, r"bed.grain_diameter = nan: .*finite"),
+        ("implement", "slip", 1.0, r"implement.slip = 1.0: .*less than 1"),
+        ("sensor", "bits", 12, r"sensor.bits = 12: .*8 or 16"),
+        (None, "soil", "mars", r"soil = 'mars': allowed .*grc1"),
+        (None, "kind", "bath", r"kind = 'bath': .*soil_bin.*plate_rotation"),
+        (None, "name", "../x", r"name = '../x'"),
+    ],
+)
+def test_error_names_key_value_and_what_is_allowed(table, key, value, says):
+    tables = load_scene("rolling_wheel").to_dict()
+    (tables[table] if table else tables)[key] = value
+    with pytest.raises(SceneError, match=rf"^file.toml: .*{says}") as caught:
+        parse_scene(tables, source="file.toml")
+    assert "\n" not in str(caught.value)
+
+
+def test_missing_key_and_missing_kind():
+    tables = load_scene("rolling_wheel").to_dict()
+    del tables["bed"]["depth"]
+    with pytest.raises(SceneError, match=r"bed.depth: missing"):
+        parse_scene(tables)
+    del tables["kind"]
+    with pytest.raises(SceneError, match=r"kind: missing"):
+        parse_scene(tables)
+
+
+@pytest.mark.parametrize("text", ["= 3", "\xff", "quick = 3\nkind = 'soil_bin'"])
+def test_file_that_is_no_scene(tmp_path, text):
+    path = tmp_path / "bad.toml"
+    path.write_bytes(text.encode("latin-1"))
+    with pytest.raises(SceneError, match="bad.toml"):
+        load_scene(path, quick=True)
+
+
+def test_missing_file_and_unknown_name_list_what_is_shipped():
+    for name in ("nowhere.toml", "nonsense", "../plate_rotation"):
+        with pytest.raises(SceneError, match="plate_rotation, rolling_wheel"):
+            load_scene(name)
+
+
+def test_unknown_key_in_quick_is_refused(tmp_path):
+    text = (scenes_folder() / "rolling_wheel.toml").read_text()
+    tomllib.loads(text)
+    path = tmp_path / "x.toml"
+    path.write_text(text + "\n[quick.lens]\nsmear = 1.0\n")
+    load_scene(path)
+    with pytest.raises(SceneError, match="lens.smear = 1.0: unknown key"):
+        load_scene(path, quick=True)
