@@ -17,7 +17,7 @@ __all__ = sorted(_HOMES)
 
 
 def __getattr__(name: str) -> Any:
-    """Import a public name from its home when it is first asked for: heavy libraries load only where needed."""
+    """Import a public name on its first use: heavy libraries load only where needed."""
     if name not in _HOMES:
         raise AttributeError(f"module 'synth' has no attribute {name!r}")
     return getattr(importlib.import_module(_HOMES[name]), name)

@@ -14,23 +14,47 @@ SCHEMA_VERSION = 1
 # name: (dimensions, unit, meaning)
 VARIABLES = {
     "time": (("frame",), "s", "time in the laboratory, 0 at the first frame"),
-    "carriage_x": (("frame",), "m", "position of the carriage along the bin; a travelling camera moves with it"),
+    "carriage_x": (
+        ("frame",),
+        "m",
+        "position of the carriage along the bin; a travelling camera moves with it",
+    ),
     "implement_x": (("frame",), "m", "position of the implement's reference point (a wheel's axle)"),
     "implement_z": (("frame",), "m", "height of the implement's reference point"),
-    "implement_angle": (("frame",), "rad", "rotation of the implement since touch-down, counter-clockwise positive"),
+    "implement_angle": (
+        ("frame",),
+        "rad",
+        "rotation of the implement since touch-down, counter-clockwise positive",
+    ),
     "radius": (("particle",), "m", "radius of the particle"),
     "position_x": (("frame", "particle"), "m", "position of the particle's centre along the bin"),
     "position_z": (("frame", "particle"), "m", "height of the particle's centre"),
-    "angle": (("frame", "particle"), "rad", "rotation of the particle since settling, counter-clockwise positive"),
-    "velocity_x": (("frame", "particle"), "m s-1", "velocity of the particle along the bin, in laboratory time"),
+    "angle": (
+        ("frame", "particle"),
+        "rad",
+        "rotation of the particle since settling, counter-clockwise positive",
+    ),
+    "velocity_x": (
+        ("frame", "particle"),
+        "m s-1",
+        "velocity of the particle along the bin, in laboratory time",
+    ),
     "velocity_z": (("frame", "particle"), "m s-1", "upward velocity of the particle, in laboratory time"),
     "sample_time": (("sample",), "s", "end of the interval a force is averaged over; 0 at the first frame"),
     "travel": (("sample",), "m", "carriage travel since touch-down"),
     "slip": (("sample",), "1", "1 - carriage speed / rim speed; for r omega < v: r omega / v - 1"),
     "sinkage": (("sample",), "m", "depth of the implement's lowest point below the levelled surface"),
-    "force_x": (("sample",), "N", "force of the soil on the implement along travel: positive pulls (drawbar)"),
+    "force_x": (
+        ("sample",),
+        "N",
+        "force of the soil on the implement along travel: positive pulls (drawbar)",
+    ),
     "force_z": (("sample",), "N", "upward force of the soil on the implement"),
-    "torque": (("sample",), "N m", "moment of the soil about the axle, counter-clockwise positive: resists driving"),
+    "torque": (
+        ("sample",),
+        "N m",
+        "moment of the soil about the axle, counter-clockwise positive: resists driving",
+    ),
 }
 FORCE_COLUMNS = {
     "time": "sample_time",
@@ -47,7 +71,8 @@ FORCE_COLUMNS = {
 class Recording:
     """States of particles and implement at frame times, and the implement's forces.
 
-    World frame: x along the bin, z up, z = 0 at the bin's floor; a plate is seen from above in the same frame.
+    World frame: x along the bin, z up, z = 0 at the bin's floor; a plate is seen from above in the same
+    frame.
 
     Attributes
     ----------
@@ -101,7 +126,8 @@ class Recording:
     def write_forces(self, path: str | Path) -> None:
         """Write `forces.csv`: one line a record, units in the header."""
         columns = {
-            f"{column} [{VARIABLES[name][1]}]": self.data[name].values for column, name in FORCE_COLUMNS.items()
+            f"{column} [{VARIABLES[name][1]}]": self.data[name].values
+            for column, name in FORCE_COLUMNS.items()
         }
         with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)

@@ -94,7 +94,7 @@ class _Scene(Table):
 
     @property
     def simulation_hash(self) -> str:
-        """SHA-256 over what the motion of the grains depends on: the scene without its pictures and labels."""
+        """SHA-256 over what the motion depends on: the scene without its pictures and labels."""
         return _digest({k: v for k, v in self.to_dict().items() if k not in _PICTURE_TABLES | _LABELS})
 
 
@@ -113,11 +113,13 @@ class SoilBinScene(_Scene):
         if self.implement.start < self.implement.radius or reach > self.bed.width:
             raise ValueError(
                 f"the wheel must stay between the end walls: it sweeps x = "
-                f"{self.implement.start - self.implement.radius:.3f} to {reach:.3f} m of bed.width = {self.bed.width} m"
+                f"{self.implement.start - self.implement.radius:.3f} to {reach:.3f} m "
+                f"of bed.width = {self.bed.width} m"
             )
         if self.bed.depth < 5 * self.bed.grain_diameter:
             raise ValueError(
-                f"bed.grain_diameter = {self.bed.grain_diameter} m is too coarse: at most a fifth of bed.depth"
+                f"bed.grain_diameter = {self.bed.grain_diameter} m is too coarse: "
+                f"at most a fifth of bed.depth is allowed"
             )
         return self
 

@@ -28,7 +28,9 @@ class GrainContact(Table):
     """Contact values of the model grains, grain against grain and grain against implement."""
 
     friction: float = Field(ge=0, le=2, description="Coulomb coefficient between grains")
-    rolling_friction: float = Field(ge=0, le=1, description="rolling moment / (normal force x reduced radius)")
+    rolling_friction: float = Field(
+        ge=0, le=1, description="rolling moment / (normal force x reduced radius)"
+    )
     restitution: float = Field(ge=0.15, le=1, description="normal rebound speed / impact speed")
     wall_friction: float = Field(ge=0, le=2, description="Coulomb coefficient against floor and end walls")
     implement_friction: float = Field(ge=0, le=2, description="Coulomb coefficient against the implement")

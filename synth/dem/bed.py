@@ -23,7 +23,7 @@ RECIPE = 1
 _FIRST_SOLID_FRACTION = 0.82
 """Guess of the share of area that settled discs fill, until it is measured."""
 _SETTLING_STIFFNESS = 1000
-"""Contact stiffness while settling / greatest pressure of the bed: soft enough to be quick, hard enough to pack."""
+"""Contact stiffness while settling / greatest pressure of the bed: soft is quick, hard packs right."""
 _CALM = 2e-3
 """Settled: the speed that nine of ten grains stay below / that of a fall through a grain's own diameter."""
 _LOOK = 2.5e-3
@@ -75,8 +75,8 @@ def settled_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
 def prepare_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed:
     """Drop, settle, level, weigh, and let come to rest.
 
-    Settling happens at a lower stiffness, which the weight of the bed alone allows and which is quicker; the last
-    stage brings the grains to rest at the scene's own.
+    Settling happens at a lower stiffness, which the weight of the bed alone allows and which is quicker; the
+    last stage brings the grains to rest at the scene's own.
     """
     law = contact_law(scene)
     softer = _softer(law, _SETTLING_STIFFNESS * scene.soil.bulk_density * GRAVITY * scene.bed.depth)
@@ -114,7 +114,7 @@ def _count(scene: SoilBinScene) -> int:
 
 
 def _fallen(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Progress | None) -> Grains:
-    """Advance while the lattice collapses: as long as its top falls freely to the bed's depth, and a third more."""
+    """Advance while the lattice collapses: a third longer than its top falls to the bed's depth."""
     height = float(grains.position[1].max()) - scene.bed.depth
     solver = _settling_solver(grains, law, scene, drag=0.0)
     looks = max(1, round(1.33 * np.sqrt(2 * height / GRAVITY) / _LOOK))

@@ -1,8 +1,8 @@
 """The linear contact law's constants, from what is asked for to what the kernels need.
 
-Normal force: spring and dashpot, never attractive. Tangential force: a spring whose *force* is carried from step to
-step, and a dashpot, both under the Coulomb limit. Rolling: an elastic-plastic moment (model C of Ai, Chen, Rotter,
-Ooi, *Powder Technology* 206, 2011, without its viscous part).
+Normal force: spring and dashpot, never attractive. Tangential force: a spring whose *force* is carried from
+step to step, and a dashpot, both under the Coulomb limit. Rolling: an elastic-plastic moment (model C of Ai,
+Chen, Rotter, Ooi, *Powder Technology* 206, 2011, without its viscous part).
 """
 
 from dataclasses import dataclass
@@ -42,9 +42,9 @@ class ContactLaw:
 def restitution_of(damping_ratio: float) -> float:
     """Rebound speed / impact speed of a spring and dashpot that never pull.
 
-    The contact ends when the force is zero, not when the overlap is: with ``sin(phi)`` the damping ratio, the half
-    swing lasts ``(pi - 2 phi) / omega_d`` and the rebound is ``exp(-tan(phi) (pi - 2 phi))`` (compare Schwager and
-    Poeschel, *Granular Matter* 9, 2007).
+    The contact ends when the force is zero, not when the overlap is: with ``sin(phi)`` the damping ratio, the
+    half swing lasts ``(pi - 2 phi) / omega_d`` and the rebound is ``exp(-tan(phi) (pi - 2 phi))`` (compare
+    Schwager and Poeschel, *Granular Matter* 9, 2007).
     """
     phi = np.arcsin(damping_ratio)
     return float(np.exp(-np.tan(phi) * (np.pi - 2 * phi)))

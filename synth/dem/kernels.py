@@ -1,8 +1,9 @@
 """The kernels: forces of contacts, then motion of grains, then motion of the implement.
 
-Every number has one writer: a pair's force is computed once and stored, then each grain gathers its own in a fixed
-order, so results are the same bytes on any number of threads. Two dimensions, plane strain; all per metre of width;
-rotations counter-clockwise positive in the (x, z) plane. Import only after `synth.devices.start_taichi`.
+Every number has one writer: a pair's force is computed once and stored, then each grain gathers its own in a
+fixed order, so results are the same bytes on any number of threads. Two dimensions, plane strain; all per
+metre of width; rotations counter-clockwise positive in the (x, z) plane. Import only after
+`synth.devices.start_taichi`.
 """
 
 import taichi as ti
@@ -11,12 +12,20 @@ import taichi as ti
 X, Z, VX, VZ, ANGLE, SPIN = range(6)
 # rows of `body`
 RADIUS, MASS, INERTIA = range(3)
-# rows of `pair_load`: force on the first grain, moments on both
+# columns of `pair_load`: force on the first grain, moments on both
 PAIR_FX, PAIR_FZ, PAIR_M1, PAIR_M2 = range(4)
-# rows of `pair_memory`, and per boundary of `boundary_memory`
+# columns of `pair_memory`, and rows per boundary of `boundary_memory`
 SHEAR, ROLL = range(2)
 FLOOR, LEFT, RIGHT, IMPLEMENT = range(4)
 BOUNDARY_COUNT = 4
+# entries of `constants`, which do not change during a run
+KN, KT, DAMPING_N, DAMPING_T, FRICTION, WALL_FRICTION, TOOL_FRICTION, ROLLING_FRICTION, ROLLING_STIFFNESS = (
+    range(9)
+)
+TIME_STEP, GRAVITY_X, GRAVITY_Z, WIDTH, DRAG = range(9, 14)
+CONSTANT_COUNT = 14
+# columns of `pair_body`: what a pair's two grains make together
+ROOT_MASS, REACH = range(2)
 # entries of `tool`: its pose and motion, what drives it, and the impulse the grains gave it since last asked
 TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(6)
 TOOL_RADIUS, TOOL_MASS, TOOL_LOAD, TOOL_PX, TOOL_PZ, TOOL_PM = range(6, 12)
@@ -30,16 +39,6 @@ Row = ti.types.ndarray(ti.f64, ndim=1)
 Table = ti.types.ndarray(ti.f64, ndim=2)
 Index = ti.types.ndarray(ti.i32, ndim=1)
 IndexTable = ti.types.ndarray(ti.i32, ndim=2)
-Law = ti.types.struct(
-    normal_stiffness=ti.f64,
-    tangential_stiffness=ti.f64,
-    damping_ratio=ti.f64,
-    friction=ti.f64,
-    wall_friction=ti.f64,
-    implement_friction=ti.f64,
-    rolling_friction=ti.f64,
-)
-World = ti.types.struct(time_step=ti.f64, gravity_x=ti.f64, gravity_z=ti.f64, width=ti.f64, drag=ti.f64)
 
 
 @ti.func
@@ -49,36 +48,36 @@ def limited(value, limit):
 
 
 @ti.func
-def contact(overlap, approach, sliding, rolling, mass, reach, friction, memory, law, dt):
+def contact(overlap, approach, sliding, rolling, root_mass, reach, friction, shear, roll, constants: Ref):
     """Force law of one contact.
 
-    `approach`, `sliding` and `rolling` are the relative velocities along the normal (towards each other positive),
-    along the tangent and in rotation; `mass` and `reach` the reduced mass and radius; `memory` the shear force and
-    the rolling moment of the step before. Returns normal force, tangential force, rolling moment, new memory.
+    `approach`, `sliding` and `rolling` are the relative velocities along the normal (towards each other
+    positive), along the tangent and in rotation; `root_mass` is the root of the reduced mass, `reach` the
+    reduced radius; `shear` and `roll` are the spring force and the rolling moment of the step before. Returns
+    normal force, tangential force, rolling moment, and the spring force to remember (the moment is remembered
+    as it is).
     """
-    kn, kt = law.normal_stiffness, law.tangential_stiffness
-    damping = 2.0 * law.damping_ratio * ti.sqrt(mass)
-    normal = ti.max(0.0, kn * overlap + damping * ti.sqrt(kn) * approach)
-    limit = friction * normal
-    shear = memory[SHEAR] - kt * sliding * dt
-    total = shear - damping * ti.sqrt(kt) * sliding
-    tangential = limited(total, limit)
+    dt = constants[TIME_STEP]
+    normal = ti.max(0.0, constants[KN] * overlap + constants[DAMPING_N] * root_mass * approach)
     # Only a spring within the Coulomb limit is remembered: sliding does not wind it up.
-    shear = limited(shear, limit)
-    turn = 2.25 * kn * (law.rolling_friction * reach) ** 2
-    moment = limited(memory[ROLL] - turn * rolling * dt, law.rolling_friction * reach * normal)
-    return normal, tangential, moment, ti.Vector([shear, moment])
+    limit = friction * normal
+    spring = shear - constants[KT] * sliding * dt
+    tangential = limited(spring - constants[DAMPING_T] * root_mass * sliding, limit)
+    stiffness = constants[ROLLING_STIFFNESS] * reach * reach
+    moment = limited(roll - stiffness * rolling * dt, constants[ROLLING_FRICTION] * reach * normal)
+    return normal, tangential, moment, limited(spring, limit)
 
 
 @ti.func
-def pair_forces(p, dt, law, pairs: Ref, motion: Ref, body: Ref, pair_memory: Ref, pair_load: Ref):
+def pair_forces(
+    p, constants: Ref, pairs: Ref, pair_body: Ref, motion: Ref, body: Ref, pair_memory: Ref, pair_load: Ref
+):
     """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
     i, j = pairs[0, p], pairs[1, p]
     dx, dz = motion[X, j] - motion[X, i], motion[Z, j] - motion[Z, i]
     ri, rj = body[RADIUS, i], body[RADIUS, j]
     square = dx * dx + dz * dz
-    load = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    memory = ti.Vector([0.0, 0.0])
+    fx, fz, moment_i, moment_j, spring, moment = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if square < (ri + rj) * (ri + rj):
         distance = ti.sqrt(square)
         nx, nz = dx / distance, dz / distance
@@ -86,60 +85,63 @@ def pair_forces(p, dt, law, pairs: Ref, motion: Ref, body: Ref, pair_memory: Ref
         arm_i, arm_j = ri - 0.5 * overlap, rj - 0.5 * overlap
         vx, vz = motion[VX, i] - motion[VX, j], motion[VZ, i] - motion[VZ, j]
         wi, wj = motion[SPIN, i], motion[SPIN, j]
-        mi, mj = body[MASS, i], body[MASS, j]
-        memory = ti.Vector([pair_memory[SHEAR, p], pair_memory[ROLL, p]])
-        normal, shear, moment, memory = contact(
+        normal, shear, moment, spring = contact(
             overlap,
             vx * nx + vz * nz,
             vz * nx - vx * nz + wi * arm_i + wj * arm_j,
             wi - wj,
-            mi * mj / (mi + mj),
-            ri * rj / (ri + rj),
-            law.friction,
-            memory,
-            law,
-            dt,
+            pair_body[p, ROOT_MASS],
+            pair_body[p, REACH],
+            constants[FRICTION],
+            pair_memory[p, SHEAR],
+            pair_memory[p, ROLL],
+            constants,
         )
-        load = ti.Vector(
-            [
-                -normal * nx - shear * nz,
-                -normal * nz + shear * nx,
-                shear * arm_i + moment,
-                shear * arm_j - moment,
-            ]
-        )
-    for k in ti.static(range(4)):
-        pair_load[k, p] = load[k]
-    for k in ti.static(range(2)):
-        pair_memory[k, p] = memory[k]
+        fx, fz = -normal * nx - shear * nz, -normal * nz + shear * nx
+        moment_i, moment_j = shear * arm_i + moment, shear * arm_j - moment
+    pair_load[p, PAIR_FX], pair_load[p, PAIR_FZ] = fx, fz
+    pair_load[p, PAIR_M1], pair_load[p, PAIR_M2] = moment_i, moment_j
+    pair_memory[p, SHEAR], pair_memory[p, ROLL] = spring, moment
 
 
 @ti.func
 def boundary_force(
-    i, boundary, overlap, nx, nz, surface, spin, arm, friction, law, dt, motion: Ref, body: Ref, memory: Ref
+    i,
+    boundary,
+    overlap,
+    nx,
+    nz,
+    surface,
+    spin,
+    arm,
+    friction,
+    constants: Ref,
+    motion: Ref,
+    body: Ref,
+    memory: Ref,
 ):
     """Force (fx, fz), moment on grain `i`, and moment on the boundary, from one that is in contact.
 
-    (nx, nz) points from the grain into the boundary; `surface` is the boundary's velocity at its centre, `spin`
-    its rotation and `arm` the contact's distance from that centre (a plane: no spin, no arm).
+    (nx, nz) points from the grain into the boundary; `surface` is the boundary's velocity at its centre,
+    `spin` its rotation and `arm` the contact's distance from that centre (a plane: no spin, no arm).
     """
     own_arm = body[RADIUS, i] - 0.5 * overlap
     vx, vz = motion[VX, i] - surface[0], motion[VZ, i] - surface[1]
     wi = motion[SPIN, i]
-    normal, shear, moment, kept = contact(
+    normal, shear, moment, spring = contact(
         overlap,
         vx * nx + vz * nz,
         vz * nx - vx * nz + wi * own_arm + spin * arm,
         wi - spin,
-        body[MASS, i],
+        ti.sqrt(body[MASS, i]),
         body[RADIUS, i],
         friction,
-        ti.Vector([memory[2 * boundary + SHEAR, i], memory[2 * boundary + ROLL, i]]),
-        law,
-        dt,
+        memory[2 * boundary + SHEAR, i],
+        memory[2 * boundary + ROLL, i],
+        constants,
     )
-    memory[2 * boundary + SHEAR, i] = kept[SHEAR]
-    memory[2 * boundary + ROLL, i] = kept[ROLL]
+    memory[2 * boundary + SHEAR, i] = spring
+    memory[2 * boundary + ROLL, i] = moment
     return ti.Vector(
         [-normal * nx - shear * nz, -normal * nz + shear * nx, shear * own_arm + moment, shear * arm - moment]
     )
@@ -153,12 +155,12 @@ def forget(i, boundary, memory: Ref):
 
 
 @ti.func
-def wall_forces(i, law, world, motion: Ref, body: Ref, memory: Ref):
+def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
     """Force and moment of floor and end walls on grain `i`."""
     total = ti.Vector([0.0, 0.0, 0.0, 0.0])
     still = ti.Vector([0.0, 0.0])
     r, x, z = body[RADIUS, i], motion[X, i], motion[Z, i]
-    overlaps = ti.Vector([r - z, r - x, x + r - world.width])
+    overlaps = ti.Vector([r - z, r - x, x + r - constants[WIDTH]])
     for wall in ti.static(range(3)):
         nx = ti.static((0.0, -1.0, 1.0)[wall])
         nz = ti.static((-1.0, 0.0, 0.0)[wall])
@@ -172,9 +174,8 @@ def wall_forces(i, law, world, motion: Ref, body: Ref, memory: Ref):
                 still,
                 0.0,
                 0.0,
-                law.wall_friction,
-                law,
-                world.time_step,
+                constants[WALL_FRICTION],
+                constants,
                 motion,
                 body,
                 memory,
@@ -185,7 +186,7 @@ def wall_forces(i, law, world, motion: Ref, body: Ref, memory: Ref):
 
 
 @ti.func
-def tool_force(i, law, world, tool: Ref, motion: Ref, body: Ref, memory: Ref):
+def tool_force(i, constants: Ref, tool: Ref, motion: Ref, body: Ref, memory: Ref):
     """Force and moment of the wheel on grain `i`, and the moment of the grain about the axle."""
     load = ti.Vector([0.0, 0.0, 0.0, 0.0])
     dx, dz = tool[TOOL_X] - motion[X, i], tool[TOOL_Z] - motion[Z, i]
@@ -203,9 +204,8 @@ def tool_force(i, law, world, tool: Ref, motion: Ref, body: Ref, memory: Ref):
             ti.Vector([tool[TOOL_VX], tool[TOOL_VZ]]),
             tool[TOOL_SPIN],
             tool[TOOL_RADIUS] - 0.5 * overlap,
-            law.implement_friction,
-            law,
-            world.time_step,
+            constants[TOOL_FRICTION],
+            constants,
             motion,
             body,
             memory,
@@ -218,8 +218,7 @@ def tool_force(i, law, world, tool: Ref, motion: Ref, body: Ref, memory: Ref):
 @ti.func
 def move_grain(
     i,
-    law,
-    world,
+    constants: Ref,
     motion: Ref,
     body: Ref,
     tool: Ref,
@@ -234,28 +233,28 @@ def move_grain(
     """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
     load = ti.Vector([0.0, 0.0, 0.0, 0.0])
     if near_wall[i] != 0:
-        load = wall_forces(i, law, world, motion, body, memory)
+        load = wall_forces(i, constants, motion, body, memory)
     for c in range(first_contact[i], first_contact[i + 1]):
         p = contacts[c] // 2
         if contacts[c] % 2 == 0:
-            load[0] += pair_load[PAIR_FX, p]
-            load[1] += pair_load[PAIR_FZ, p]
-            load[2] += pair_load[PAIR_M1, p]
+            load[0] += pair_load[p, PAIR_FX]
+            load[1] += pair_load[p, PAIR_FZ]
+            load[2] += pair_load[p, PAIR_M1]
         else:
-            load[0] -= pair_load[PAIR_FX, p]
-            load[1] -= pair_load[PAIR_FZ, p]
-            load[2] += pair_load[PAIR_M2, p]
+            load[0] -= pair_load[p, PAIR_FX]
+            load[1] -= pair_load[p, PAIR_FZ]
+            load[2] += pair_load[p, PAIR_M2]
     slot = near_slot[i]
     if slot >= 0:
-        push = tool_force(i, law, world, tool, motion, body, memory)
+        push = tool_force(i, constants, tool, motion, body, memory)
         load += push
         reaction[0, slot] = -push[0]
         reaction[1, slot] = -push[1]
         reaction[2, slot] = push[3]
-    dt, mass = world.time_step, body[MASS, i]
-    motion[VX, i] += dt * (load[0] / mass + world.gravity_x - world.drag * motion[VX, i])
-    motion[VZ, i] += dt * (load[1] / mass + world.gravity_z - world.drag * motion[VZ, i])
-    motion[SPIN, i] += dt * (load[2] / body[INERTIA, i] - world.drag * motion[SPIN, i])
+    dt, mass, drag = constants[TIME_STEP], body[MASS, i], constants[DRAG]
+    motion[VX, i] += dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[VX, i])
+    motion[VZ, i] += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[VZ, i])
+    motion[SPIN, i] += dt * (load[2] / body[INERTIA, i] - drag * motion[SPIN, i])
     motion[X, i] += dt * motion[VX, i]
     motion[Z, i] += dt * motion[VZ, i]
     motion[ANGLE, i] += dt * motion[SPIN, i]
@@ -284,14 +283,14 @@ def move_tool(dt, tool: Ref, reaction: Ref, near_count):
 @ti.kernel
 def advance(
     steps: ti.template(),
-    law: Law,
-    world: World,
+    constants: Row,
     grain_count: ti.i32,
     pair_count: ti.i32,
     near_count: ti.i32,
     motion: Table,
     body: Table,
     pairs: IndexTable,
+    pair_body: Table,
     pair_memory: Table,
     pair_load: Table,
     first_contact: Index,
@@ -305,12 +304,11 @@ def advance(
     """So many steps in one launch, unrolled: each loop below is a parallel task of its own."""
     for _ in ti.static(range(steps)):
         for p in range(pair_count):
-            pair_forces(p, world.time_step, law, pairs, motion, body, pair_memory, pair_load)
+            pair_forces(p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
         for i in range(grain_count):
             move_grain(
                 i,
-                law,
-                world,
+                constants,
                 motion,
                 body,
                 tool,
@@ -324,7 +322,7 @@ def advance(
             )
         ti.loop_config(serialize=True)
         for _only in range(1):
-            move_tool(world.time_step, tool, reaction, near_count)
+            move_tool(constants[TIME_STEP], tool, reaction, near_count)
 
 
 @ti.kernel

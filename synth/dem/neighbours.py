@@ -1,4 +1,4 @@
-"""Who may touch whom until something has moved by half a skin: the Verlet list, and the memory it carries over."""
+"""The Verlet list: who may touch whom until something has moved by half a skin, and what they remember."""
 
 from dataclasses import dataclass
 

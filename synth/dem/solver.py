@@ -1,6 +1,7 @@
 """The solver: grains, walls and one implement, advanced step by step."""
 
-from dataclasses import asdict, dataclass, field
+from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 
@@ -12,7 +13,7 @@ from synth.scene import GRAVITY
 SKIN = 0.3
 """Thickness of the neighbour list's skin / mean grain diameter."""
 _REBUILD_AT = 0.4
-"""Share of the skin that a grain may move before neighbours are listed anew; half is where a contact may be missed."""
+"""Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
 
 
 class SimulationError(RuntimeError):
@@ -39,7 +40,7 @@ class Tool:
 
 @dataclass(frozen=True)
 class ToolImpulse:
-    """What the grains did to the implement over an interval: time integrals of force and moment, per metre."""
+    """What the grains did to the implement over an interval: integrals over time, per metre of width."""
 
     x: float
     z: float
@@ -77,7 +78,7 @@ class Solver:
     def __post_init__(self) -> None:
         import taichi as ti
 
-        self._ti = ti
+        self._ti: Any = ti
         grains = self.grains
         self._skin = SKIN * 2 * float(grains.radius.mean())
         state = np.concatenate([grains.position, grains.velocity, [grains.angle], [grains.spin]])
@@ -85,6 +86,7 @@ class Solver:
         self._body = self._array(np.stack([grains.radius, grains.mass, grains.inertia]))
         self._boundary_memory = self._array(np.zeros((8, grains.count)))
         self._tool = self._array(self._tool_row())
+        self._constants = self._array(self._constants_row())
         self._neighbours: NeighbourList | None = None
         self._list_neighbours()
 
@@ -162,23 +164,16 @@ class Solver:
     def _launch(self, steps: int) -> None:
         from synth.dem import kernels as k
 
-        gravity_x, gravity_z = self.gravity
         k.advance(
             steps,
-            k.Law(**asdict(self.law)),
-            k.World(
-                time_step=self.time_step,
-                gravity_x=gravity_x,
-                gravity_z=gravity_z,
-                width=self.width,
-                drag=self.drag,
-            ),
+            self._constants,
             self.grains.count,
             self._pair_count,
             self._near_count,
             self._motion,
             self._body,
             self._pairs,
+            self._pair_body,
             self._pair_memory,
             self._pair_load,
             self._first_contact,
@@ -221,13 +216,14 @@ class Solver:
         listed = list_neighbours(position, self.grains.radius, self._skin)
         memory = np.zeros((2, listed.pairs.shape[1]))
         if self._neighbours is not None:
-            memory = carry_memory(self._neighbours, self._pair_memory.to_numpy(), listed)
+            memory = carry_memory(self._neighbours, self._pair_memory.to_numpy().T, listed)
         self._neighbours = listed
         self._pair_count = listed.pairs.shape[1]
         capacity = max(self._pair_count, 1)
         self._pairs = self._array(_padded(listed.pairs, capacity))
-        self._pair_memory = self._array(_padded(memory, capacity))
-        self._pair_load = self._array(np.zeros((4, capacity)))
+        self._pair_body = self._array(_padded(_pair_body(self.grains, listed.pairs), capacity).T)
+        self._pair_memory = self._array(_padded(memory, capacity).T)
+        self._pair_load = self._array(np.zeros((capacity, 4)))
         self._first_contact = self._array(listed.first_contact)
         self._contacts = self._array(_padded(listed.contacts, 2 * capacity))
         self._listed = self._array(position)
@@ -249,6 +245,24 @@ class Solver:
         self._near_slot = self._array(slot)
         self._reaction = self._array(np.zeros((3, max(near_tool.size, 1))))
 
+    def _constants_row(self) -> np.ndarray:
+        from synth.dem import kernels as k
+
+        law, row = self.law, np.zeros(k.CONSTANT_COUNT)
+        row[[k.KN, k.KT]] = law.normal_stiffness, law.tangential_stiffness
+        row[[k.DAMPING_N, k.DAMPING_T]] = 2 * law.damping_ratio * np.sqrt(row[[k.KN, k.KT]])
+        row[[k.FRICTION, k.WALL_FRICTION, k.TOOL_FRICTION]] = (
+            law.friction,
+            law.wall_friction,
+            law.implement_friction,
+        )
+        row[k.ROLLING_FRICTION] = law.rolling_friction
+        row[k.ROLLING_STIFFNESS] = 2.25 * law.normal_stiffness * law.rolling_friction**2
+        row[k.TIME_STEP] = self.time_step
+        row[[k.GRAVITY_X, k.GRAVITY_Z]] = self.gravity
+        row[[k.WIDTH, k.DRAG]] = self.width, self.drag
+        return row
+
     def _tool_row(self) -> np.ndarray:
         from synth.dem import kernels as k
 
@@ -261,10 +275,16 @@ class Solver:
             row[[k.TOOL_RADIUS, k.TOOL_MASS, k.TOOL_LOAD]] = tool.radius, tool.mass, tool.load
         return row
 
-    def _array(self, values: np.ndarray):  # noqa: ANN202 - taichi's array type has no public name
+    def _array(self, values: np.ndarray) -> Any:
         array = self._ti.ndarray(self._ti.i32 if values.dtype == np.int32 else self._ti.f64, values.shape)
         array.from_numpy(np.ascontiguousarray(values))
         return array
+
+
+def _pair_body(grains: Grains, pairs: np.ndarray) -> np.ndarray:
+    """Root of the reduced mass and reduced radius of every pair, shape (2, P)."""
+    (mi, mj), (ri, rj) = grains.mass[pairs], grains.radius[pairs]
+    return np.stack([np.sqrt(mi * mj / (mi + mj)), ri * rj / (ri + rj)])
 
 
 def _padded(values: np.ndarray, size: int) -> np.ndarray:

@@ -59,7 +59,7 @@ class Schedule:
 
     @property
     def time_step(self) -> float:
-        """s."""
+        """Time step of the integration, s."""
         return self.interval / self.steps
 
     def strength(self, interval: int) -> float:
@@ -72,9 +72,10 @@ def run_wheel(
 ) -> Recording:
     """Drive the scene's wheel through the bed.
 
-    The wheel touches down on the levelled bed; load and speed grow softly over the first part of the run-in, at the
-    scene's slip throughout. The carriage prescribes travel and rotation; the axle rises and sinks freely under the
-    dead load, which is a force and not a mass, so that driving faster than the laboratory adds no inertia.
+    The wheel touches down on the levelled bed; load and speed grow softly over the first part of the run-in,
+    at the scene's slip throughout. The carriage prescribes travel and rotation; the axle rises and sinks
+    freely under the dead load, which is a force and not a mass, so that driving faster than the laboratory
+    adds no inertia.
     """
     law = contact_law(scene)
     largest = largest_time_step(bed.grains.mass, law.normal_stiffness, scene.contact.steps_per_contact)

@@ -11,6 +11,6 @@ class Plate(Table):
     """A plate that carries its soil along rigidly."""
 
     kind: Literal["plate"]
-    rotation: float = Field(ge=-0.5, le=0.5, description="rad a frame about the pin, counter-clockwise positive")
+    rotation: float = Field(ge=-0.5, le=0.5, description="rad a frame, counter-clockwise positive")
     pin_x: float = Field(description="m")
     pin_z: float = Field(description="m")

@@ -1,0 +1,370 @@
+"""The motion at every pixel: what is seen at a pixel's centre in one frame, and where it goes to in another.
+
+What a pixel shows is the micro-grain that covers its centre, and that moves as a rigid body. A void between
+grains is seen by the grains around it: its pixels have the motion of the visible grain whose rim is nearest.
+"""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    import numpy as np
+    import xarray as xr
+
+    from synth.camera.cover import Cover, PlacedGrains
+    from synth.camera.implement_face import ImplementFace
+    from synth.camera.motion import Motion, Placement, Surroundings
+    from synth.camera.texture import MicroGrains
+    from synth.recording import Recording
+    from synth.scene import Scene
+
+SCHEMA_VERSION = 1
+MIXED_LIMIT = 0.1
+"""px; a pixel that holds motions further apart is mixed."""
+JUMP_LIMIT = 0.5
+"""px; neighbouring pixels whose motions differ by more have a discontinuity between them."""
+
+# name: (data type, unit, meaning)
+VARIABLES = {
+    "u": (
+        "float32",
+        "px",
+        "displacement to the right of what is seen at the pixel's centre, first to second frame",
+    ),
+    "v": (
+        "float32",
+        "px",
+        "displacement downwards of what is seen at the pixel's centre, first to second frame",
+    ),
+    "valid": ("bool", "1", "there is a true motion: soil or implement, not lost before the second frame"),
+    "soil": ("bool", "1", "the pixel's centre shows soil or a void in it"),
+    "implement": ("bool", "1", "the pixel's centre shows the implement"),
+    "mixed": ("bool", "1", f"the pixel holds motions more than {MIXED_LIMIT} px apart"),
+    "particle_id": (
+        "int32",
+        "1",
+        "simulated particle that the micro-grain moves with or is nearest to; -1: none",
+    ),
+    "distance_to_implement": (
+        "float32",
+        "px",
+        "from the pixel's centre; 0 on the implement, infinite without one",
+    ),
+    "distance_to_discontinuity": (
+        "float32",
+        "px",
+        f"from the pixel's centre to the nearest neighbours that move more than {JUMP_LIMIT} px apart, or of "
+        "which one is the implement; infinite where there are none",
+    ),
+    "discontinuity_jump": (
+        "float32",
+        "px",
+        "difference of motion at the nearest discontinuity; NaN without one",
+    ),
+    "strain_rate": (
+        "float32",
+        "1/frame",
+        "equivalent shear strain sqrt(2 e:e) of the particles' motion a frame, e the deviator of the "
+        "symmetric displacement gradient: gamma for simple shear, 0 for a rigid rotation",
+    ),
+    "rotation": (
+        "float32",
+        "rad/frame",
+        "rotation a frame of what is seen, from x (right) to y (down): positive is clockwise in the picture",
+    ),
+}
+
+
+@dataclass(frozen=True)
+class PairTruth:
+    """The truth of one pair of frames.
+
+    Attributes
+    ----------
+    first, second : int
+        Frames.
+    arrays : dict
+        The variables of `VARIABLES`, (H, W) each.
+    """
+
+    first: int
+    second: int
+    arrays: "dict[str, np.ndarray]"
+
+
+def true_motion(
+    recording: "Recording",
+    scene: "Scene",
+    first: int,
+    second: int,
+    *,
+    device: str = "cpu",
+    threads: int | None = None,
+) -> "xr.Dataset":
+    """Truth between any two frames of a recording, forwards or backwards, on the first one's pixels.
+
+    Parameters
+    ----------
+    recording : Recording
+    scene : Scene
+        The scene the recording was made with; its seed makes the texture.
+    first, second : int
+        Different frames, 0 to `recording.frame_count - 1`.
+    device, threads
+        As in `synth.devices.start_taichi`.
+
+    Returns
+    -------
+    xarray.Dataset
+        The variables of `VARIABLES` over y and x; scalar coordinates first_frame, second_frame and time.
+
+    Raises
+    ------
+    ValueError
+        A frame that is not recorded, or twice the same one.
+    """
+    from synth.camera.cover import cover
+    from synth.devices import start_taichi
+
+    for frame in (first, second):
+        if not 0 <= frame < recording.frame_count:
+            raise ValueError(f"frame = {frame}: allowed are 0 to {recording.frame_count - 1}")
+    if first == second:
+        raise ValueError(f"second = {second}: another frame than the first is needed")
+    start_taichi(device, threads)
+    grains, motion = grains_and_motion(recording, scene)
+    placements = _placements(motion, {first, second})
+    covered = cover(scene, recording, grains, placements[first])
+    surroundings = motion.surroundings(placements[first], second)
+    truth = pair_truth(scene, recording, grains, covered, surroundings, placements[first], placements[second])
+    return _dataset(truth, recording, scene)
+
+
+def grains_and_motion(recording: "Recording", scene: "Scene") -> "tuple[MicroGrains, Motion]":
+    """Micro-grains of a recording's first frame and the way they move. Taichi must have been started."""
+    from synth.camera.motion import motion_of
+    from synth.camera.soil_region import first_region
+    from synth.camera.texture import strew
+
+    grains = strew(scene, first_region(recording, scene))
+    return grains, motion_of(scene, recording, grains)
+
+
+def pair_truth(
+    scene: "Scene",
+    recording: "Recording",
+    grains: "MicroGrains",
+    covered: "Cover",
+    surroundings: "Surroundings",
+    placement: "Placement",
+    next_placement: "Placement",
+) -> PairTruth:
+    """Truth from the frame of `covered` and `placement` to that of `next_placement`."""
+    from synth.camera.cover import place
+    from synth.camera.implement_face import face_of
+    from synth.camera.view import View
+
+    first, second = placement.frame, next_placement.frame
+    next_view = View.of(scene.camera, recording, second)
+    following = place(grains, next_placement, next_view)
+    next_face = face_of(scene, recording, second, next_view)
+    arrays = _motion_arrays(grains, covered, following, next_face, surroundings)
+    arrays["mixed"] = _mixed(grains, covered, following, next_face)
+    arrays.update(_discontinuities(arrays))
+    for name in ("strain_rate", "rotation"):
+        arrays[name] /= second - first
+    return PairTruth(first, second, arrays)
+
+
+def _placements(motion: "Motion", frames: set[int]) -> "dict[int, Placement]":
+    placement = motion.start()
+    kept = {}
+    while True:
+        if placement.frame in frames:
+            kept[placement.frame] = placement
+        if len(kept) == len(frames):
+            return kept
+        placement = motion.advance(placement)
+
+
+def _motion_arrays(
+    grains: "MicroGrains",
+    covered: "Cover",
+    following: "PlacedGrains",
+    next_face: "ImplementFace | None",
+    surroundings: "Surroundings",
+) -> "dict[str, np.ndarray]":
+    import numpy as np
+
+    from synth.camera import kernels, truth_kernels
+
+    shape = covered.centres.shape
+    arrays: dict[str, np.ndarray] = {
+        name: np.full(shape, np.nan, np.float32) for name in ("u", "v", "rotation", "strain_rate")
+    }
+    arrays["particle_id"] = np.full(shape, -1, np.int32)
+    placed = covered.grains
+    truth_kernels.grain_motion(
+        _filled_voids(grains, covered),
+        grains.by_depth,
+        placed.x,
+        placed.y,
+        placed.angle,
+        following.x,
+        following.y,
+        following.angle,
+        following.alive,
+        surroundings.strain,
+        surroundings.particle,
+        arrays["u"],
+        arrays["v"],
+        arrays["rotation"],
+        arrays["strain_rate"],
+        arrays["particle_id"],
+    )
+    arrays["soil"] = covered.soil
+    arrays["implement"] = covered.centres == kernels.IMPLEMENT
+    arrays["distance_to_implement"] = np.full(shape, np.inf, np.float32)
+    if covered.face is not None and next_face is not None:
+        _add_implement(arrays, covered.face, next_face)
+    arrays["valid"] = np.isfinite(arrays["u"])
+    return arrays
+
+
+def _filled_voids(grains: "MicroGrains", covered: "Cover") -> "np.ndarray":
+    import numpy as np
+
+    from synth.camera import truth_kernels
+    from synth.camera.cover import VOID_REACH
+
+    filled = np.empty_like(covered.centres)
+    placed = covered.grains
+    truth_kernels.fill_voids(
+        covered.centres,
+        covered.soil.astype(np.uint8),
+        covered.samples,
+        grains.by_depth,
+        placed.x,
+        placed.y,
+        placed.radius,
+        covered.sampling,
+        covered.margin,
+        float(VOID_REACH),
+        filled,
+    )
+    return filled
+
+
+def _add_implement(
+    arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_face: "ImplementFace"
+) -> None:
+    """Fill in the implement's own rigid motion at its pixels, and the distance to it everywhere."""
+    import numpy as np
+
+    mask = arrays["implement"]
+    rows, columns = np.nonzero(mask)
+    off_x, off_y = columns - face.x, rows - face.y
+    move_x, move_y, cosine_less_one, sine = _rigid_motion(face, next_face)
+    arrays["u"][mask] = move_x + cosine_less_one * off_x - sine * off_y
+    arrays["v"][mask] = move_y + sine * off_x + cosine_less_one * off_y
+    arrays["rotation"][mask] = next_face.angle - face.angle
+    arrays["strain_rate"][mask] = 0
+    height, width = mask.shape
+    arrays["distance_to_implement"] = face.distance(width, height)
+
+
+def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[float, float, float, float]:
+    """Displacement of the axle (px), cos - 1 and sin of the turn."""
+    import math
+
+    turn = next_face.angle - face.angle
+    return next_face.x - face.x, next_face.y - face.y, -2 * math.sin(turn / 2) ** 2, math.sin(turn)
+
+
+def _mixed(
+    grains: "MicroGrains", covered: "Cover", following: "PlacedGrains", next_face: "ImplementFace | None"
+) -> "np.ndarray":
+    import numpy as np
+
+    from synth.camera import truth_kernels
+
+    placed, face = covered.grains, covered.face
+    motion = np.empty((grains.count, 5), np.float32)
+    truth_kernels.rigid_motions(
+        placed.x,
+        placed.y,
+        placed.angle,
+        following.x,
+        following.y,
+        following.angle,
+        following.alive,
+        motion,
+    )
+    wheel = (0.0,) * 6
+    if face is not None and next_face is not None:
+        wheel = (face.x, face.y, *_rigid_motion(face, next_face))
+    mixed = np.empty(covered.centres.shape, np.uint8)
+    truth_kernels.find_mixed(
+        covered.samples,
+        grains.by_depth,
+        placed.x,
+        placed.y,
+        motion,
+        truth_kernels.wheel_vector(wheel),
+        covered.sampling,
+        covered.margin,
+        MIXED_LIMIT,
+        mixed,
+    )
+    return mixed.astype(bool)
+
+
+def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]":
+    """Distance to the nearest discontinuity, and the jump there.
+
+    A discontinuity lies half-way between two pixels, half a pixel from each.
+    """
+    import numpy as np
+
+    from synth.camera import truth_kernels
+
+    shape = arrays["u"].shape
+    jump = np.empty(shape, np.float32)
+    truth_kernels.find_jumps(arrays["u"], arrays["v"], arrays["implement"].astype(np.uint8), JUMP_LIMIT, jump)
+    row = np.empty(shape, np.int32)
+    truth_kernels.nearest_in_column(jump, row)
+    distance = np.full(shape, np.inf, np.float32)
+    nearest_jump = np.full(shape, np.nan, np.float32)
+    truth_kernels.nearest_in_picture(
+        row, jump, np.empty(shape, np.int32), np.empty(shape, np.float64), distance, nearest_jump
+    )
+    return {"distance_to_discontinuity": distance + np.float32(0.5), "discontinuity_jump": nearest_jump}
+
+
+def _dataset(truth: PairTruth, recording: "Recording", scene: "Scene") -> "xr.Dataset":
+    import xarray as xr
+
+    variables = {
+        name: (("y", "x"), truth.arrays[name], {"units": unit, "long_name": meaning})
+        for name, (_, unit, meaning) in VARIABLES.items()
+    }
+    coordinates = {
+        "first_frame": truth.first,
+        "second_frame": truth.second,
+        "time": float(recording.data["time"].values[truth.first]),
+    }
+    return xr.Dataset(variables, coordinates, file_attributes(scene))
+
+
+def file_attributes(scene: "Scene") -> dict[str, Any]:
+    """Attributes that a stranger needs to read the truth without the scene."""
+    return {
+        "schema_version": SCHEMA_VERSION,
+        "title": f"True displacement at every pixel of the footage of the scene {scene.name!r}",
+        "scene": scene.name,
+        "scene_hash": scene.hash,
+        "seed": scene.seed,
+        "frame_rate": scene.timing.frame_rate,
+        "metres_per_pixel": scene.camera.metres_per_pixel,
+        "frame": "x right, y down, integer at pixel centres; displacements forward, on the first frame",
+    }

@@ -1,0 +1,64 @@
+"""`truth.nc` on disk."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Self
+
+from synth.truth import VARIABLES, PairTruth, file_attributes
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from synth.scene import Scene
+
+_BOOLEAN = {"dtype": "bool"}  # netCDF has none: xarray stores int8 with this attribute and reads bool back
+
+
+class TruthWriter:
+    """Writes `truth.nc` pair by pair, so that a sequence of any length needs the memory of one pair."""
+
+    def __init__(self, path: Path, scene: "Scene", frame_times: "np.ndarray") -> None:
+        import h5netcdf
+        import numpy as np
+
+        count = len(frame_times) - 1
+        self._file = h5netcdf.File(path, "w")
+        self._file.attrs.update(file_attributes(scene))
+        self._file.dimensions = {"pair": count, "y": scene.camera.height, "x": scene.camera.width}
+        frames = np.arange(count + 1, dtype=np.int32)
+        self._coordinate("first_frame", frames[:-1], "1", "index of the first frame")
+        self._coordinate("second_frame", frames[1:], "1", "index of the second frame")
+        times = np.asarray(frame_times[:-1], np.float64)
+        self._coordinate("time", times, "s", "time of the first frame in the laboratory")
+        for name, (dtype, unit, meaning) in VARIABLES.items():
+            self._variable(name, dtype, unit, meaning)
+
+    def _coordinate(self, name: str, values: "np.ndarray", unit: str, meaning: str) -> None:
+        variable = self._file.create_variable(name, ("pair",), data=values)
+        variable.attrs.update({"units": unit, "long_name": meaning})
+
+    def _variable(self, name: str, dtype: str, unit: str, meaning: str) -> None:
+        shape = self._file.dimensions["y"].size, self._file.dimensions["x"].size
+        variable = self._file.create_variable(
+            name,
+            ("pair", "y", "x"),
+            "int8" if dtype == "bool" else dtype,
+            chunks=(1, *shape),
+            compression="gzip",
+            compression_opts=1,
+            shuffle=True,
+        )
+        coordinates = {"coordinates": "first_frame second_frame time"}
+        boolean = _BOOLEAN if dtype == "bool" else {}
+        variable.attrs.update({"units": unit, "long_name": meaning, **coordinates, **boolean})
+
+    def write(self, pair: int, truth: PairTruth) -> None:
+        """Write the truth of a pair."""
+        for name, (dtype, _, _) in VARIABLES.items():
+            values = truth.arrays[name]
+            self._file.variables[name][pair] = values.astype("int8") if dtype == "bool" else values
+
+    def __enter__(self) -> Self:
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        self._file.close()
