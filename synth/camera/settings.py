@@ -20,23 +20,28 @@ class Camera(Table):
     follows: Literal["carriage", "bin"]
     centre_x: float = Field(description="m")
     centre_z: float = Field(description="m")
+    supersampling: int = Field(ge=4, le=16, description="samples along each side of a pixel")
 
 
 class Texture(Table):
-    """How micro-grains, of the soil's own size, move with the simulated particles."""
+    """How micro-grains, of the soil's own size, lie on the glass and move with the simulated particles."""
 
     motion: Literal["interpolated", "carried"] = Field(
-        description="interpolated: by the locally affine motion of the particles around; carried: with one particle"
+        description="interpolated: by the affine motion of the particles around; carried: with one particle"
     )
     coverage: float = Field(gt=0.2, le=5, description="area of all micro-grains / area they are strewn over")
+    roundness: float = Field(ge=0, le=1, description="0: grains are flat plates, 1: half spheres")
+    facet_slope: float = Field(ge=0, le=2, description="standard deviation of the slope of a grain's face")
 
 
 class Light(Table):
-    """Two flood lights at a high angle from the normal of the glass."""
+    """Two flood lights, left and right, at a high angle from the normal of the glass."""
 
     intensity: float = Field(gt=0, le=2, description="grey level / full scale of a white grain facing a lamp")
     ambient: float = Field(ge=0, le=1, description="share of the light that comes from everywhere")
     elevation: float = Field(gt=0, lt=90, description="deg, of the lamps above the plane of the glass")
+    shade: float = Field(ge=0, lt=1, description="share of the light that a full layer of grains takes")
+    void: float = Field(ge=0, le=1, description="grey level / full scale of a void between the grains")
     background: float = Field(ge=0, le=1, description="grey level / full scale of what is not soil")
     implement: float = Field(ge=0, le=1, description="grey level / full scale of the implement")
 

@@ -1,0 +1,205 @@
+"""How micro-grains move with the simulated particles: three ways behind one small protocol."""
+
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Protocol
+
+from synth.camera.particle_field import Blend, ParticleField
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from synth.camera.texture import MicroGrains
+    from synth.recording import Recording
+    from synth.scene import Scene
+
+
+@dataclass(frozen=True)
+class Placement:
+    """Where the micro-grains are at a frame; shape (grain,) each.
+
+    Attributes
+    ----------
+    frame : int
+    x, z : float64
+        Centre, m.
+    angle : float64
+        Rotation since the first frame, rad, counter-clockwise.
+    alive : uint8
+        1, or 0 for a grain that was lost where no particle was near.
+    """
+
+    frame: int
+    x: "np.ndarray"
+    z: "np.ndarray"
+    angle: "np.ndarray"
+    alive: "np.ndarray"
+
+
+@dataclass(frozen=True)
+class Surroundings:
+    """The particles around each micro-grain between two frames; shape (grain,) each.
+
+    Attributes
+    ----------
+    particle : int32
+        The particle it moves with (`carried`) or that is nearest (`interpolated`); -1: none.
+    strain : float32
+        Equivalent shear strain of the particles' motion, from the first to the second frame.
+    """
+
+    particle: "np.ndarray"
+    strain: "np.ndarray"
+
+
+class Motion(Protocol):
+    """A way for micro-grains to move."""
+
+    def start(self) -> Placement:
+        """Placement in the first frame."""
+        ...
+
+    def advance(self, placement: Placement) -> Placement:
+        """Placement one frame later."""
+        ...
+
+    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+        """Particles around the grains, and how they deform up to the frame `second`."""
+        ...
+
+
+def motion_of(scene: "Scene", recording: "Recording", grains: "MicroGrains") -> Motion:
+    """Motion that a scene chooses."""
+    if recording.data.sizes["particle"] == 0:
+        return OnPlate(recording, grains)
+    if scene.texture.motion == "carried":
+        return Carried(recording, grains)
+    return Interpolated(recording, grains)
+
+
+class OnPlate:
+    """Every grain turns rigidly with the plate, about its pin."""
+
+    def __init__(self, recording: "Recording", grains: "MicroGrains") -> None:
+        self._pin = tuple(recording.data[f"implement_{axis}"].values.astype(float) for axis in "xz")
+        self._angle = recording.data["implement_angle"].values.astype(float)
+        self._grains = grains
+
+    def start(self) -> Placement:
+        """Placement in the first frame."""
+        return self._at(0)
+
+    def advance(self, placement: Placement) -> Placement:
+        """Placement one frame later."""
+        return self._at(placement.frame + 1)
+
+    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+        """Nothing: a rigid plate has no particles and no strain."""
+        return _none_around(self._grains.count)
+
+    def _at(self, frame: int) -> Placement:
+        import numpy as np
+
+        turn = self._angle[frame] - self._angle[0]
+        (pin_x, pin_z), grains = self._pin, self._grains
+        off_x, off_z = _turned(grains.x - pin_x[0], grains.z - pin_z[0], turn)
+        angle = np.full(grains.count, turn)
+        return Placement(frame, pin_x[frame] + off_x, pin_z[frame] + off_z, angle, _all_alive(grains))
+
+
+class Carried:
+    """Every grain moves rigidly with the particle it lies on in the first frame, rotation included."""
+
+    def __init__(self, recording: "Recording", grains: "MicroGrains") -> None:
+        first = ParticleField(recording, 0, 0).at(grains.x, grains.z, _all_alive(grains))
+        self._recording, self._grains, self._owner = recording, grains, first.particle
+        self._alive = (first.particle >= 0).astype("uint8")
+
+    def start(self) -> Placement:
+        """Placement in the first frame."""
+        return self._at(0)
+
+    def advance(self, placement: Placement) -> Placement:
+        """Placement one frame later."""
+        return self._at(placement.frame + 1)
+
+    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+        """Carrying particle, and the strain of the particles around it."""
+        strain = ParticleField(self._recording, placement.frame, second).strain_of_particles()
+        return Surroundings(self._owner, strain[self._owner])
+
+    def _at(self, frame: int) -> Placement:
+        import numpy as np
+
+        data, grains, owner = self._recording.data, self._grains, self._owner
+        x, z, angle = (data[name].values.astype(np.float64) for name in ("position_x", "position_z", "angle"))
+        turn = (angle[frame] - angle[0])[owner]
+        off_x, off_z = _turned(grains.x - x[0][owner], grains.z - z[0][owner], turn)
+        return Placement(frame, x[frame][owner] + off_x, z[frame][owner] + off_z, turn, self._alive)
+
+
+class Interpolated:
+    """Grains follow the smooth field of the particles around, frame by frame, and turn with its rotation.
+
+    Only particles act: the implement does not, and a grain near which there is none any more is lost.
+    """
+
+    def __init__(self, recording: "Recording", grains: "MicroGrains") -> None:
+        self._recording, self._grains = recording, grains
+        self._latest: tuple[Placement, Blend] | None = None
+
+    def start(self) -> Placement:
+        """Placement in the first frame."""
+        import numpy as np
+
+        grains = self._grains
+        return Placement(0, grains.x, grains.z, np.zeros(grains.count), _all_alive(grains))
+
+    def advance(self, placement: Placement) -> Placement:
+        """Placement one frame later."""
+        blend = self._blend(placement, placement.frame + 1)
+        alive = placement.alive * (blend.particle >= 0).astype("uint8")
+        return Placement(
+            placement.frame + 1,
+            placement.x + blend.displacement[:, 0],
+            placement.z + blend.displacement[:, 1],
+            placement.angle + blend.turn,
+            alive,
+        )
+
+    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+        """Nearest particle, and the strain blended at the grain."""
+        blend = self._blend(placement, second)
+        return Surroundings(blend.particle, blend.strain)
+
+    def _blend(self, placement: Placement, second: int) -> Blend:
+        if second != placement.frame + 1:
+            return self._blend_anew(placement, second)
+        if (
+            self._latest is None or self._latest[0] is not placement
+        ):  # asked for twice: motion and surroundings
+            self._latest = placement, self._blend_anew(placement, second)
+        return self._latest[1]
+
+    def _blend_anew(self, placement: Placement, second: int) -> Blend:
+        field = ParticleField(self._recording, placement.frame, second)
+        return field.at(placement.x, placement.z, placement.alive)
+
+
+def _turned(x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray") -> tuple["np.ndarray", "np.ndarray"]:
+    """Offsets turned counter-clockwise by an angle."""
+    import numpy as np
+
+    cosine, sine = np.cos(angle), np.sin(angle)
+    return cosine * x - sine * z, sine * x + cosine * z
+
+
+def _all_alive(grains: "MicroGrains") -> "np.ndarray":
+    import numpy as np
+
+    return np.ones(grains.count, np.uint8)
+
+
+def _none_around(count: int) -> Surroundings:
+    import numpy as np
+
+    return Surroundings(np.full(count, -1, np.int32), np.zeros(count, np.float32))

@@ -1,0 +1,172 @@
+"""Which part of the glass is soil: the particles' discs, with the pores between them closed."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from synth.camera.view import View
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from synth.camera.implement_face import ImplementFace
+    from synth.recording import Recording
+    from synth.scene import Scene
+
+_PORE = 0.75
+"""Pores up to this radius, in mean particle diameters, hold soil that is finer than the particles."""
+
+
+@dataclass(frozen=True)
+class SoilRegion:
+    """A part of the world on a raster.
+
+    Attributes
+    ----------
+    view : View
+        Where the raster's pixels lie.
+    mask : (H, W) bool
+        True in the soil.
+    """
+
+    view: View
+    mask: "np.ndarray"
+
+    @property
+    def bounds(self) -> tuple[float, float, float, float]:
+        """Left, right, bottom and top of the raster, m."""
+        return self.view.bounds()
+
+    def contains(self, x: "np.ndarray", z: "np.ndarray") -> "np.ndarray":
+        """Whether positions (m), within the bounds, lie in the soil; same shape."""
+        import numpy as np
+
+        column, row = self.view.to_image(x, z)
+        column = np.clip(np.rint(column).astype(np.int32), 0, self.view.width - 1)
+        row = np.clip(np.rint(row).astype(np.int32), 0, self.view.height - 1)
+        return self.mask[row, column]
+
+
+def first_region(recording: "Recording", scene: "Scene") -> SoilRegion:
+    """Soil of the first frame that any frame shows, to be strewn with micro-grains."""
+    if recording.data.sizes["particle"] == 0:
+        return _plate_region(recording, scene)
+    seen = _ever_seen(recording, scene)
+    return _region_of(seen, recording, scene)
+
+
+def soil_in_view(
+    recording: "Recording", frame: int, view: View, face: "ImplementFace | None"
+) -> "np.ndarray":
+    """Where a frame's particles and the pores between them are: (H, W) bool, the implement taken out."""
+    import numpy as np
+
+    if recording.data.sizes["particle"] == 0:
+        return np.ones((view.height, view.width), bool)
+    everything = np.ones(recording.data.sizes["particle"], bool)
+    return _closed_discs(recording, frame, view, face, everything)
+
+
+def _plate_region(recording: "Recording", scene: "Scene") -> SoilRegion:
+    """On a plate, soil is everywhere: the circle about the pin that holds every picture, as its square."""
+    import numpy as np
+
+    pin_x = float(recording.data["implement_x"].values[0])
+    pin_z = float(recording.data["implement_z"].values[0])
+    reach = 0.0
+    for frame in range(recording.frame_count):
+        left, right, bottom, top = View.of(scene.camera, recording, frame).bounds(_margin(scene))
+        corners = [math.hypot(x - pin_x, z - pin_z) for x in (left, right) for z in (bottom, top)]
+        reach = max(reach, *corners)
+    view = _view_over((pin_x - reach, pin_x + reach, pin_z - reach, pin_z + reach), scene)
+    return SoilRegion(view, np.ones((view.height, view.width), bool))
+
+
+def _margin(scene: "Scene") -> float:
+    """How far outside the picture a grain's centre may lie and still be seen, blurred, at its edge; m."""
+    return scene.soil.grain_sizes.largest / 2 + (4 * scene.lens.blur + 2) * scene.camera.metres_per_pixel
+
+
+def _ever_seen(recording: "Recording", scene: "Scene") -> "np.ndarray":
+    """Particles that come close to the picture in some frame; (particle,) bool."""
+    import numpy as np
+
+    x, z = recording.data["position_x"].values, recording.data["position_z"].values
+    margin = _margin(scene) + 2 * particle_diameter(recording)
+    seen = np.zeros(x.shape[1], bool)
+    for frame in range(recording.frame_count):
+        left, right, bottom, top = View.of(scene.camera, recording, frame).bounds(margin)
+        seen |= (x[frame] > left) & (x[frame] < right) & (z[frame] > bottom) & (z[frame] < top)
+    return seen
+
+
+def _region_of(seen: "np.ndarray", recording: "Recording", scene: "Scene") -> SoilRegion:
+    from synth.camera.implement_face import face_of
+
+    if not seen.any():
+        raise ValueError("no particle of the recording is ever in the camera's view: see [camera]")
+    x, z = recording.data["position_x"].values[0][seen], recording.data["position_z"].values[0][seen]
+    margin = 2 * particle_diameter(recording)
+    view = _view_over((x.min() - margin, x.max() + margin, z.min() - margin, z.max() + margin), scene)
+    face = face_of(scene, recording, 0, view)
+    return SoilRegion(view, _closed_discs(recording, 0, view, face, seen))
+
+
+def _view_over(bounds: tuple[float, float, float, float], scene: "Scene") -> View:
+    left, right, bottom, top = bounds
+    pixel = scene.camera.metres_per_pixel
+    width, height = math.ceil((right - left) / pixel), math.ceil((top - bottom) / pixel)
+    return View(width, height, pixel, (left + right) / 2, (bottom + top) / 2)
+
+
+def particle_diameter(recording: "Recording") -> float:
+    """Mean diameter of the simulated particles, m."""
+    return 2 * float(recording.data["radius"].values.mean())
+
+
+def _closed_discs(
+    recording: "Recording", frame: int, view: View, face: "ImplementFace | None", chosen: "np.ndarray"
+) -> "np.ndarray":
+    """Union of particle discs and implement, its pores closed, less the implement; (H, W) bool.
+
+    The implement takes part in the closing: the gaps between the round particles and its rim are pores, too.
+    """
+    reach = view.length_to_image(_PORE * particle_diameter(recording))
+    pad = math.ceil(2 * reach) + 2
+    wide = View(view.width + 2 * pad, view.height + 2 * pad, view.metres_per_pixel, view.axis_x, view.axis_z)
+    mask = _discs(recording, frame, wide, chosen)
+    if face is not None:
+        distance = face.moved(pad, pad).distance(wide.width, wide.height)
+        mask |= distance <= 0
+    inner = (slice(pad, -pad), slice(pad, -pad))
+    closed = _closing(mask, reach)[inner]
+    return closed if face is None else closed & (face.distance(view.width, view.height) > 0)
+
+
+def _discs(recording: "Recording", frame: int, view: View, chosen: "np.ndarray") -> "np.ndarray":
+    import numpy as np
+
+    from synth.camera import kernels
+
+    data = recording.data
+    column, row = view.to_image(
+        data["position_x"].values[frame][chosen].astype(np.float64),
+        data["position_z"].values[frame][chosen].astype(np.float64),
+    )
+    radius = view.length_to_image(data["radius"].values[chosen].astype(np.float64))
+    mask = np.zeros((view.height, view.width), np.uint8)
+    kernels.fill_discs(column, row, radius, mask)
+    return mask.astype(bool)
+
+
+def _closing(mask: "np.ndarray", reach: float) -> "np.ndarray":
+    """Dilate, then erode by the same reach (px), by exact distances."""
+    import cv2
+    import numpy as np
+
+    if not mask.any():
+        return mask
+    outside = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    dilated = (outside <= reach).astype(np.uint8)
+    inside = cv2.distanceTransform(dilated, cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
+    return mask | (inside > reach)

@@ -1,0 +1,137 @@
+"""Micro-grains of the soil's own size: how many, how large, where, and how each one looks."""
+
+import math
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from scipy.special import ndtr, ndtri
+
+from synth.camera.streams import Purpose, random_stream
+from synth.soil import GrainSizes
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from synth.camera.soil_region import SoilRegion
+    from synth.scene import Scene
+
+_SORTING_CELL = 32
+"""px; grains are stored cell by cell, so that neighbours on the glass are neighbours in memory."""
+
+
+@dataclass(frozen=True)
+class MicroGrains:
+    """Micro-grains in the first frame; shape (grain,) each. Everything but place and angle stays for ever.
+
+    Attributes
+    ----------
+    x, z : float64
+        Centre in the first frame, m.
+    diameter : float64
+        m.
+    brightness : float32
+        Albedo times the share of the light that reaches the grain's depth.
+    slope_x, slope_y : float32
+        Slope of the grain's face along x right and y down of the picture, in the first frame.
+    depth : int32
+        Unique order from the glass: 0 is in front of all.
+    by_depth : int32
+        The grain at each depth.
+    """
+
+    x: "np.ndarray"
+    z: "np.ndarray"
+    diameter: "np.ndarray"
+    brightness: "np.ndarray"
+    slope_x: "np.ndarray"
+    slope_y: "np.ndarray"
+    depth: "np.ndarray"
+    by_depth: "np.ndarray"
+
+    @property
+    def count(self) -> int:
+        """Number of micro-grains."""
+        return len(self.x)
+
+
+def strew(scene: "Scene", region: "SoilRegion") -> MicroGrains:
+    """Strew micro-grains uniformly over a region's bounds and keep those inside the soil."""
+    x, z, diameter = _places_and_sizes(scene, region)
+    return _with_looks(scene, x, z, diameter)
+
+
+def draw_diameters(sizes: GrainSizes, count: int, generator: "np.random.Generator") -> "np.ndarray":
+    """Draw diameters (m) whose **area** fractions follow the distribution by mass; shape (count,).
+
+    A log-normal distribution by mass, divided by d^2, is a log-normal by number of the same deviation with
+    its median lowered by exp(-2 deviation^2); it is drawn between the ends by inverting its distribution.
+    """
+    import numpy as np
+
+    centre, lower, upper = _by_number(sizes)
+    share = generator.uniform(ndtr(lower), ndtr(upper), count)
+    return np.exp(centre + sizes.log_deviation * ndtri(share))
+
+
+def mean_grain_area(sizes: GrainSizes) -> float:
+    """Mean area of a grain's disc by number, m2 (closed form of the cut log-normal's second moment)."""
+    centre, lower, upper = _by_number(sizes)
+    deviation = sizes.log_deviation
+    whole = math.exp(2 * centre + 2 * deviation**2)
+    kept = ndtr(upper - 2 * deviation) - ndtr(lower - 2 * deviation)
+    return math.pi / 4 * whole * float(kept / (ndtr(upper) - ndtr(lower)))
+
+
+def _by_number(sizes: GrainSizes) -> tuple[float, float, float]:
+    """Centre of ln(diameter) by number, and the ends in deviations from it."""
+    deviation = sizes.log_deviation
+    centre = math.log(sizes.median) - 2 * deviation**2
+    lower = (math.log(sizes.smallest) - centre) / deviation
+    upper = (math.log(sizes.largest) - centre) / deviation
+    return centre, lower, upper
+
+
+def _places_and_sizes(
+    scene: "Scene", region: "SoilRegion"
+) -> tuple["np.ndarray", "np.ndarray", "np.ndarray"]:
+    import numpy as np
+
+    left, right, bottom, top = region.bounds
+    sizes = scene.soil.grain_sizes
+    area = (right - left) * (top - bottom)
+    count = round(scene.texture.coverage * area / mean_grain_area(sizes))
+    places = random_stream(scene.seed, Purpose.PLACES)
+    x, z = places.uniform(left, right, count), places.uniform(bottom, top, count)
+    diameter = draw_diameters(sizes, count, random_stream(scene.seed, Purpose.SIZES))
+    kept = np.flatnonzero(region.contains(x, z))
+    order = kept[_cell_order(x[kept], z[kept], region, scene.camera.metres_per_pixel)]
+    return x[order], z[order], diameter[order]
+
+
+def _cell_order(
+    x: "np.ndarray", z: "np.ndarray", region: "SoilRegion", metres_per_pixel: float
+) -> "np.ndarray":
+    import numpy as np
+
+    left, right, bottom, _ = region.bounds
+    cell = _SORTING_CELL * metres_per_pixel
+    columns = int((right - left) / cell) + 1
+    return np.argsort(
+        ((z - bottom) / cell).astype(np.int32) * columns + ((x - left) / cell).astype(np.int32), kind="stable"
+    )
+
+
+def _with_looks(scene: "Scene", x: "np.ndarray", z: "np.ndarray", diameter: "np.ndarray") -> MicroGrains:
+    import numpy as np
+
+    count, look, texture = len(x), scene.soil.look, scene.texture
+    looks = random_stream(scene.seed, Purpose.LOOKS)
+    albedo = np.clip(looks.normal(look.albedo, look.albedo_deviation, count), 0.02, 1.0)
+    slopes = looks.normal(0.0, texture.facet_slope, (2, count)).astype(np.float32)
+    by_depth = random_stream(scene.seed, Purpose.DEPTHS).permutation(count).astype(np.int32)
+    depth = np.empty_like(by_depth)
+    depth[by_depth] = np.arange(count, dtype=np.int32)
+    # At depth 0..1 of the texture lie 0..coverage layers of grains in front, and each takes its share.
+    light = (1 - scene.light.shade) ** (texture.coverage * depth / max(count, 1))
+    brightness = (albedo * light).astype(np.float32)
+    return MicroGrains(x, z, diameter, brightness, slopes[0], slopes[1], depth, by_depth)

@@ -1,0 +1,153 @@
+"""Small recordings whose particles follow a known field, and the scenes to photograph them with."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+from synth import Recording, load_scene
+from synth.recording import VARIABLES
+from synth.scene import parse_scene
+
+PIXEL = 0.2e-3  # m
+SIZE = (96, 128)  # px, height and width
+CENTRE = (0.2, 0.1)  # m, where the camera looks
+OUT_OF_SIGHT = 5.0  # m
+
+
+@dataclass(frozen=True)
+class Case:
+    scene: object
+    recording: Recording
+
+
+def make_scene(*, name="rolling_wheel", **tables):
+    """A quick scene with a small, noise-free picture; `tables` change keys of its tables."""
+    scene = load_scene(name, quick=True).to_dict()
+    height, width = SIZE
+    scene["camera"].update(width=width, height=height, metres_per_pixel=PIXEL, follows="bin")
+    if name == "rolling_wheel":
+        scene["camera"].update(centre_x=CENTRE[0], centre_z=CENTRE[1])
+    scene["lens"].update(blur=0.7, vignetting=0.0)
+    for table, keys in tables.items():
+        scene[table] = {**scene[table], **keys} if isinstance(keys, dict) else keys
+    return parse_scene(scene)
+
+
+def lattice(diameter=2e-3, half_width=0.03, half_height=0.025, seed=3):
+    """Jittered rows of particles around the camera's centre: x, z (m)."""
+    across = np.arange(-half_width, half_width, diameter)
+    up = np.arange(-half_height, half_height, 0.9 * diameter)
+    x, z = np.meshgrid(across, up)
+    x = x + 0.5 * diameter * (np.arange(len(up)) % 2)[:, None]
+    jitter = np.random.default_rng(seed).normal(0, 0.05 * diameter, (2, x.size))
+    return CENTRE[0] + x.ravel() + jitter[0], CENTRE[1] + z.ravel() + jitter[1]
+
+
+def make_recording(
+    x, z, *, angle=None, radius=1e-3, carriage=0.0, implement=(OUT_OF_SIGHT, OUT_OF_SIGHT), turn=0.0
+):
+    """A recording of the given particle paths, (frame, particle) each, and of the implement."""
+    frames, particles = np.shape(x)
+    sizes = {"frame": frames, "particle": particles, "sample": 0}
+    arrays = {name: np.zeros([sizes[d] for d in dims]) for name, (dims, _, _) in VARIABLES.items()}
+    arrays.update(position_x=np.asarray(x, float), position_z=np.asarray(z, float))
+    arrays["radius"][:] = radius
+    arrays["time"][:] = np.arange(frames) / 8
+    arrays["carriage_x"][:] = carriage
+    arrays["implement_x"][:], arrays["implement_z"][:] = implement
+    arrays["implement_angle"][:] = turn
+    if angle is not None:
+        arrays["angle"][:] = angle
+    return Recording.from_arrays(arrays, {"simulation_hash": "", "surface_height": CENTRE[1]})
+
+
+def make_case(field, *, frames=2, carriage=0.0, implement=(OUT_OF_SIGHT, OUT_OF_SIGHT), turn=0.0, **tables):
+    """Particles of a lattice moved by `field(x, z, frame)`."""
+    start = lattice()
+    paths = [field(*start, frame) for frame in range(frames)]
+    x, z = [path[0] for path in paths], [path[1] for path in paths]
+    recording = make_recording(x, z, carriage=carriage, implement=implement, turn=turn)
+    return Case(make_scene(**tables), recording)
+
+
+def make_plate(angles, **tables):
+    """A plate turned to the given angles."""
+    nothing = np.empty((len(angles), 0))
+    recording = make_recording(nothing, nothing, implement=(0.0, 0.0), turn=angles)
+    return Case(make_scene(name="plate_rotation", **tables), recording)
+
+
+def _rest(x, z, frame):
+    return x, z
+
+
+def _rotation(rate):
+    def field(x, z, frame):
+        cosine, sine = np.cos(rate * frame), np.sin(rate * frame)
+        off_x, off_z = x - CENTRE[0], z - CENTRE[1]
+        return CENTRE[0] + cosine * off_x - sine * off_z, CENTRE[1] + sine * off_x + cosine * off_z
+
+    return field
+
+
+def _translation(right, up):
+    """`right`, `up` px a frame."""
+    return lambda x, z, frame: (x + frame * right * PIXEL, z + frame * up * PIXEL)
+
+
+def _shear(gamma):
+    """Particles above the centre move right, by `gamma` times their height."""
+    return lambda x, z, frame: (x + frame * gamma * (z - CENTRE[1]), z)
+
+
+@pytest.fixture(scope="session")
+def fields():
+    """Fields of motion by name."""
+    return {"rest": _rest, "rotation": _rotation, "translation": _translation, "shear": _shear}
+
+
+@pytest.fixture(scope="session")
+def cases():
+    """Makers of scenes, recordings and both."""
+
+    class Makers:
+        scene, recording, case, plate = map(staticmethod, (make_scene, make_recording, make_case, make_plate))
+        lattice = staticmethod(lattice)
+        pixel, size, centre = PIXEL, SIZE, CENTRE
+
+    return Makers
+
+
+@pytest.fixture(scope="session")
+def taichi():
+    """Start taichi, for tests that call a part below the public functions."""
+    from synth.devices import start_taichi
+
+    return start_taichi()
+
+
+@pytest.fixture(scope="session")
+def offsets():
+    """Image coordinates of every pixel from the picture's centre: x, y, (H, W) each."""
+    height, width = SIZE
+    y, x = np.mgrid[:height, :width].astype(float)
+    return x - (width - 1) / 2, y - (height - 1) / 2
+
+
+@pytest.fixture(scope="session")
+def photograph(taichi):
+    """Noise-free light of a frame, (H, W) float32."""
+
+    def take(case, frame):
+        from synth.camera.cover import cover
+        from synth.camera.picture import light_on_sensor
+        from synth.truth import grains_and_motion
+
+        grains, motion = grains_and_motion(case.recording, case.scene)
+        placement = motion.start()
+        for _ in range(frame):
+            placement = motion.advance(placement)
+        return light_on_sensor(case.scene, grains, cover(case.scene, case.recording, grains, placement))
+
+    return take

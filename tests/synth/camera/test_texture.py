@@ -1,0 +1,76 @@
+import numpy as np
+import pytest
+from scipy.special import ndtr
+
+from synth.camera.soil_region import first_region
+from synth.camera.texture import draw_diameters, mean_grain_area, strew
+
+
+@pytest.fixture(scope="module")
+def rest(cases, fields, taichi):
+    return cases.case(fields["rest"])
+
+
+@pytest.fixture(scope="module")
+def grains(rest):
+    return strew(rest.scene, first_region(rest.recording, rest.scene))
+
+
+def test_area_fractions_follow_the_distribution_by_mass(rest):
+    sizes = rest.scene.soil.grain_sizes
+    diameter = draw_diameters(sizes, 1_000_000, np.random.default_rng(1))
+    assert diameter.min() >= sizes.smallest
+    assert diameter.max() <= sizes.largest
+    by_mass = lambda d: ndtr(np.log(d / sizes.median) / sizes.log_deviation)  # noqa: E731
+    low, high = by_mass(sizes.smallest), by_mass(sizes.largest)
+    for limit in (0.1e-3, 0.2e-3, 0.3e-3, 0.5e-3, 1.0e-3):
+        finer = np.sum(diameter[diameter < limit] ** 2) / np.sum(diameter**2)
+        assert finer == pytest.approx((by_mass(limit) - low) / (high - low), abs=0.01)
+
+
+def test_the_mean_area_is_that_of_the_drawn_grains(rest):
+    sizes = rest.scene.soil.grain_sizes
+    drawn = draw_diameters(sizes, 1_000_000, np.random.default_rng(2))
+    assert mean_grain_area(sizes) == pytest.approx(np.pi / 4 * np.mean(drawn**2), rel=0.01)
+
+
+def test_the_grains_cover_the_soil_as_often_as_asked(rest, grains):
+    region = first_region(rest.recording, rest.scene)
+    soil = region.mask.sum() * rest.scene.camera.metres_per_pixel**2
+    covered = np.pi / 4 * np.sum(grains.diameter**2)
+    assert covered / soil == pytest.approx(rest.scene.texture.coverage, rel=0.03)
+
+
+def test_every_depth_is_taken_once(grains):
+    assert np.array_equal(np.sort(grains.depth), np.arange(grains.count))
+    assert np.array_equal(grains.depth[grains.by_depth], np.arange(grains.count))
+
+
+def test_the_seed_alone_decides(rest, grains):
+    again = strew(rest.scene, first_region(rest.recording, rest.scene))
+    other = strew(rest.scene.model_copy(update={"seed": 1}), first_region(rest.recording, rest.scene))
+    assert np.array_equal(grains.x, again.x)
+    assert np.array_equal(grains.brightness, again.brightness)
+    assert not np.array_equal(grains.x[:100], other.x[:100])
+
+
+def test_deeper_grains_are_darker(grains):
+    front = grains.brightness[grains.depth < grains.count // 10].mean()
+    back = grains.brightness[grains.depth > grains.count * 9 // 10].mean()
+    assert back < 0.8 * front
+
+
+def test_pores_between_particles_are_soil_and_the_air_above_is_not(cases, taichi):
+    x, z = cases.lattice()
+    below = z < cases.centre[1]
+    recording = cases.recording([x[below]] * 2, [z[below]] * 2, radius=0.8e-3)
+    region = first_region(recording, cases.scene())
+    inside = np.linspace(-0.01, 0.01, 200) + cases.centre[0]
+    assert region.contains(inside, np.full(200, cases.centre[1] - 0.006)).all()
+    assert not region.contains(inside, np.full(200, cases.centre[1] + 0.0025)).any()
+
+
+def test_a_recording_without_soil_in_view_is_refused(cases, taichi):
+    far = np.full((2, 3), 4.0)
+    with pytest.raises(ValueError, match=r"no particle .* in the camera's view"):
+        first_region(cases.recording(far, far), cases.scene())
