@@ -157,8 +157,8 @@ def _read_sequence(path: Path) -> dict[str, Any]:
 def _open_truth(path: Path, frame_count: int) -> "xr.Dataset":
     import xarray as xr
 
+    from synth.truth import CAMERA_VARIABLES, VARIABLES
     from synth.truth import SCHEMA_VERSION as TRUTH_VERSION
-    from synth.truth import VARIABLES
 
     if not path.is_file():
         raise ValueError(f"{path}: no such file")
@@ -171,7 +171,7 @@ def _open_truth(path: Path, frame_count: int) -> "xr.Dataset":
         complaint = (
             f"schema_version = {truth.attrs.get('schema_version')}: this program reads {TRUTH_VERSION}"
         )
-    elif missing := set(VARIABLES) - set(truth.data_vars):
+    elif missing := {*VARIABLES, *CAMERA_VARIABLES} - set(truth.data_vars):
         complaint = f"variables missing: {', '.join(sorted(missing))}"
     elif truth.sizes["pair"] != frame_count - 1:
         complaint = f"{truth.sizes['pair']} pairs for {frame_count} pictures: {frame_count - 1} are needed"

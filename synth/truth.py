@@ -15,6 +15,7 @@ if TYPE_CHECKING:
     from synth.camera.implement_face import ImplementFace
     from synth.camera.motion import Motion, Placement, Surroundings
     from synth.camera.texture import MicroGrains
+    from synth.camera.view import View
     from synth.recording import Recording
     from synth.scene import Scene
 
@@ -36,7 +37,11 @@ VARIABLES = {
         "px",
         "displacement downwards of what is seen at the pixel's centre, first to second frame",
     ),
-    "valid": ("bool", "1", "there is a true motion: soil or implement, not lost before the second frame"),
+    "valid": (
+        "bool",
+        "1",
+        "could be measured: soil or implement, not lost before the second frame, and in that picture still",
+    ),
     "soil": ("bool", "1", "the pixel's centre shows soil or a void in it"),
     "implement": ("bool", "1", "the pixel's centre shows the implement"),
     "mixed": ("bool", "1", f"the pixel holds motions more than {MIXED_LIMIT} px apart"),
@@ -74,6 +79,12 @@ VARIABLES = {
     ),
 }
 
+# name: (unit, meaning); one value a pair
+CAMERA_VARIABLES = {
+    "camera_u": ("px", "displacement to the right that the camera's own motion gives to what rests"),
+    "camera_v": ("px", "displacement downwards that the camera's own motion gives to what rests"),
+}
+
 
 @dataclass(frozen=True)
 class PairTruth:
@@ -85,11 +96,14 @@ class PairTruth:
         Frames.
     arrays : dict
         The variables of `VARIABLES`, (H, W) each.
+    camera : dict
+        The variables of `CAMERA_VARIABLES`.
     """
 
     first: int
     second: int
     arrays: "dict[str, np.ndarray]"
+    camera: dict[str, float]
 
 
 def true_motion(
@@ -165,7 +179,7 @@ def pair_truth(
     from synth.camera.view import View
 
     first, second = placement.frame, next_placement.frame
-    next_view = View.of(scene.camera, recording, second)
+    view, next_view = (View.of(scene.camera, recording, frame) for frame in (first, second))
     following = place(grains, next_placement, next_view)
     next_face = face_of(scene, recording, second, next_view)
     arrays = _motion_arrays(grains, covered, following, next_face, surroundings)
@@ -173,7 +187,14 @@ def pair_truth(
     arrays.update(_discontinuities(arrays))
     for name in ("strain_rate", "rotation"):
         arrays[name] /= second - first
-    return PairTruth(first, second, arrays)
+    return PairTruth(first, second, arrays, _camera_motion(view, next_view))
+
+
+def _camera_motion(view: "View", next_view: "View") -> dict[str, float]:
+    """Where the point that was on the optical axis has gone to, by the camera's motion alone."""
+    axis = view.axis_x, view.axis_z
+    before, after = view.to_image(*axis), next_view.to_image(*axis)
+    return {"camera_u": after[0] - before[0], "camera_v": after[1] - before[1]}
 
 
 def _placements(motion: "Motion", frames: set[int]) -> "dict[int, Placement]":
@@ -227,8 +248,17 @@ def _motion_arrays(
     arrays["distance_to_implement"] = np.full(shape, np.inf, np.float32)
     if covered.face is not None and next_face is not None:
         _add_implement(arrays, covered.face, next_face)
-    arrays["valid"] = np.isfinite(arrays["u"])
+    arrays["valid"] = _lands_inside(arrays["u"], arrays["v"])
     return arrays
+
+
+def _lands_inside(u: "np.ndarray", v: "np.ndarray") -> "np.ndarray":
+    """Whether a motion ends between the outermost pixel centres of the second picture; False for NaN."""
+    import numpy as np
+
+    height, width = u.shape
+    x, y = np.arange(width) + u, np.arange(height)[:, None] + v
+    return (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
 
 
 def _filled_voids(grains: "MicroGrains", covered: "Cover") -> "np.ndarray":
@@ -344,10 +374,12 @@ def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]"
 def _dataset(truth: PairTruth, recording: "Recording", scene: "Scene") -> "xr.Dataset":
     import xarray as xr
 
-    variables = {
+    variables: dict[str, Any] = {
         name: (("y", "x"), truth.arrays[name], {"units": unit, "long_name": meaning})
         for name, (_, unit, meaning) in VARIABLES.items()
     }
+    for name, (unit, meaning) in CAMERA_VARIABLES.items():
+        variables[name] = ((), truth.camera[name], {"units": unit, "long_name": meaning})
     coordinates = {
         "first_frame": truth.first,
         "second_frame": truth.second,

@@ -3,7 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
-from synth.truth import VARIABLES, PairTruth, file_attributes
+from synth.truth import CAMERA_VARIABLES, VARIABLES, PairTruth, file_attributes
 
 if TYPE_CHECKING:
     import numpy as np
@@ -25,14 +25,16 @@ class TruthWriter:
         self._file.attrs.update(file_attributes(scene))
         self._file.dimensions = {"pair": count, "y": scene.camera.height, "x": scene.camera.width}
         frames = np.arange(count + 1, dtype=np.int32)
-        self._coordinate("first_frame", frames[:-1], "1", "index of the first frame")
-        self._coordinate("second_frame", frames[1:], "1", "index of the second frame")
+        self._by_pair("first_frame", frames[:-1], "1", "index of the first frame")
+        self._by_pair("second_frame", frames[1:], "1", "index of the second frame")
         times = np.asarray(frame_times[:-1], np.float64)
-        self._coordinate("time", times, "s", "time of the first frame in the laboratory")
+        self._by_pair("time", times, "s", "time of the first frame in the laboratory")
+        for name, (unit, meaning) in CAMERA_VARIABLES.items():
+            self._by_pair(name, np.full(count, np.nan), unit, meaning)
         for name, (dtype, unit, meaning) in VARIABLES.items():
             self._variable(name, dtype, unit, meaning)
 
-    def _coordinate(self, name: str, values: "np.ndarray", unit: str, meaning: str) -> None:
+    def _by_pair(self, name: str, values: "np.ndarray", unit: str, meaning: str) -> None:
         variable = self._file.create_variable(name, ("pair",), data=values)
         variable.attrs.update({"units": unit, "long_name": meaning})
 
@@ -53,6 +55,8 @@ class TruthWriter:
 
     def write(self, pair: int, truth: PairTruth) -> None:
         """Write the truth of a pair."""
+        for name in CAMERA_VARIABLES:
+            self._file.variables[name][pair] = truth.camera[name]
         for name, (dtype, _, _) in VARIABLES.items():
             values = truth.arrays[name]
             self._file.variables[name][pair] = values.astype("int8") if dtype == "bool" else values

@@ -31,7 +31,7 @@ class Step(_Record):
 class Manifest(_Record):
     """The content of `manifest.json`."""
 
-    schema_version: Literal[1] = SCHEMA_VERSION
+    schema_version: Literal[1] = 1
     program: Literal["softbed"] = "softbed"
     scene: str = ""
     scene_hash: str = ""
@@ -73,7 +73,7 @@ class Manifest(_Record):
             raise RunFolderError(f"{path}: not a manifest of this program: {key}: {fault['msg']}") from None
 
     def to_json(self) -> str:
-        """The manifest as indented JSON."""
+        """Spell out the manifest as indented JSON."""
         return json.dumps(self.model_dump(mode="json"), indent=1) + "\n"
 
 

@@ -36,8 +36,8 @@ class Draft:
 class RunFolder:
     """One folder with all that one run made.
 
-    A step writes into a `Draft`, whose files get their final names by renaming when the step has succeeded: under
-    a final name nothing is ever half-written. One process at a time works in a run folder.
+    A step writes into a `Draft`, whose files get their final names by renaming when the step has succeeded:
+    under a final name nothing is ever half-written. One process at a time works in a run folder.
 
     Attributes
     ----------
@@ -127,11 +127,11 @@ class RunFolder:
         return self.path / "figures"
 
     def analysis(self, slug: str) -> Path:
-        """The soil flow one method measured."""
+        """Path of the soil flow one method measured."""
         return self.path / "analysis" / f"{slug}.nc"
 
     def why_do(self, step: str, key: str) -> str | None:
-        """Why `step` must be done, in a few plain words; None where its files are there, whole and of this key."""
+        """Say why `step` must be done; None where its files are there, whole and of this key."""
         done = self.manifest.steps.get(step)
         if done is None:
             return "not done yet"
@@ -190,7 +190,7 @@ class RunFolder:
 
     @contextlib.contextmanager
     def _draft(self) -> Iterator[Path]:
-        """A folder aside that is gone afterwards, whatever happens."""
+        """Make a folder aside that is gone afterwards, whatever happens."""
         outer = Path(tempfile.mkdtemp(prefix=PARTIAL_PREFIX, dir=self.path))
         try:
             inner = outer / "new"
@@ -200,7 +200,7 @@ class RunFolder:
             shutil.rmtree(outer, ignore_errors=True)
 
     def _publish(self, draft: Path) -> None:
-        """Rename what lies in `draft` to its final names: whole folders, except `analysis`, which methods share."""
+        """Rename what lies in `draft`: whole folders, except `analysis`, which methods share."""
         for source in sorted(draft.iterdir()):
             if source.name == "analysis":
                 (self.path / "analysis").mkdir(exist_ok=True)
@@ -238,7 +238,7 @@ def _entries(folder: Path) -> list[Path]:
 
 
 def _remove_leftovers(folder: Path) -> None:
-    """What a killed run was writing; only the folder's sole user may call this."""
+    """Remove what a killed run was writing; only the folder's sole user may do this."""
     for entry in _entries(folder):
         if entry.name.startswith(PARTIAL_PREFIX) and entry.is_dir() and not entry.is_symlink():
             shutil.rmtree(entry)
@@ -256,7 +256,7 @@ def _sole_user(folder: Path) -> Iterator[None]:
         try:
             fcntl.flock(handle, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except BlockingIOError:
-            raise RunFolderError(f"{folder}: another softbed works in this folder: wait for it to end") from None
+            raise RunFolderError(f"{folder}: another softbed works in it: wait for it to end") from None
         yield
     finally:
         os.close(handle)

@@ -88,6 +88,7 @@ class Solver:
         self._tool = self._array(self._tool_row())
         self._constants = self._array(self._constants_row())
         self._neighbours: NeighbourList | None = None
+        self._pair_memory: Any = None
         self._list_neighbours()
 
     def advance(self, steps: int) -> None:

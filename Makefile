@@ -1,0 +1,56 @@
+# make demo   the main job on the default scene: a scored report in out/demo
+# make test   the fast tests
+# make lint   style and types
+# make clean  remove what these made
+#
+# The first of them makes .venv, which needs a package index; later ones work offline.
+# PYTHON=/path/to/python chooses the interpreter.
+
+.DELETE_ON_ERROR:
+.SUFFIXES:
+.PHONY: demo test lint clean install develop
+
+VENV := .venv
+BIN := $(VENV)/bin
+OUT := out/demo
+PYTEST_OPTIONS ?= -n auto
+INSTALLED := $(VENV)/.installed
+DEVELOPED := $(VENV)/.developed
+
+SUPPORTED := import ensurepip, sys, venv; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 13))
+CANDIDATES := python3.12 python3.11 python3
+PYTHON ?= $(shell for candidate in $(CANDIDATES); do \
+	"$$candidate" -c '$(SUPPORTED)' 2>/dev/null && { echo "$$candidate"; break; }; done)
+
+demo: $(INSTALLED)
+	$(BIN)/softbed run rolling_wheel $(OUT) --quick
+	@echo "open $(abspath $(OUT))/report.html"
+
+test: $(DEVELOPED)
+	$(BIN)/python -m pytest $(PYTEST_OPTIONS) -m "not slow"
+
+lint: $(DEVELOPED)
+	$(BIN)/ruff check .
+	$(BIN)/ruff format --check .
+	$(BIN)/mypy
+
+install: $(INSTALLED)
+
+develop: $(DEVELOPED)
+
+$(BIN)/python:
+	@"$(PYTHON)" -c '$(SUPPORTED)' 2>/dev/null || { \
+		echo "softbed needs Python 3.11 or 3.12 with venv, tried: $(or $(PYTHON),$(CANDIDATES));" \
+			"name yours with make PYTHON=/path/to/python" >&2; exit 2; }
+	"$(PYTHON)" -m venv $(VENV)
+
+$(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e .
+	@touch $@
+
+$(DEVELOPED): $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+clean:
+	rm -rf $(VENV) $(OUT) .pytest_cache .ruff_cache .mypy_cache build dist

@@ -1,0 +1,90 @@
+import json
+
+import numpy as np
+import pytest
+
+from validation.score import MethodScore, ScoreError, Scores, score_flows
+
+SHAPE = (20, 30)
+
+
+@pytest.fixture
+def footage(make_truth, make_footage):
+    u = np.zeros(SHAPE, np.float32)
+    u[:, :5] = 4.0
+    return make_footage(make_truth(u, 0.0), make_truth(u, 0.0))
+
+
+@pytest.fixture
+def flow_of(make_flow):
+    def flow_of(footage, *, off=(0.0, 0.0)):
+        u = np.stack([footage.truth(k)["u"].values + np.float32(off[0]) for k in range(footage.pair_count)])
+        return make_flow(u, np.full_like(u, off[1]))
+
+    return flow_of
+
+
+def test_the_truth_itself_is_right(footage, flow_of):
+    strata = score_flows(footage, {"own": flow_of(footage)})["own"]
+    assert strata["all"].pixel_count == 2 * 20 * 30
+    assert strata["moving"].pixel_count == 2 * 20 * 5
+    assert strata["complex"].pixel_count == 2 * 20 * 2
+    assert strata["quiet"].pixel_count == 2 * 20 * 24
+    assert strata["mixed"].pixel_count == 0 and strata["mixed"].median is None
+    for name in ("all", "moving", "complex", "quiet"):
+        assert strata[name].p95 == 0 and strata[name].coverage == 1
+
+
+def test_an_offset_is_found_with_its_sign(footage, flow_of):
+    summary = score_flows(footage, {"own": flow_of(footage, off=(0.5, -0.25))})["own"]["all"]
+    assert (summary.bias_u, summary.bias_v) == (pytest.approx(0.5), pytest.approx(-0.25))
+    assert summary.median == pytest.approx(np.hypot(0.5, 0.25))
+
+
+def test_every_method_is_judged_on_the_same_pixels(footage, flow_of):
+    lazy = flow_of(footage)
+    lazy["u"][:, :, 15:] = np.nan
+    lazy["valid"][:, :, 15:] = False
+    scores = score_flows(footage, {"full": flow_of(footage), "lazy": lazy})
+    assert scores["full"]["all"].pixel_count == scores["lazy"]["all"].pixel_count
+    assert scores["lazy"]["all"].coverage == 0.5
+    assert scores["lazy"]["all"].wrong_share["1.0"] == 0.5
+
+
+def test_the_mask_counts_and_not_what_lies_beneath(footage, flow_of):
+    flow = flow_of(footage)
+    flow["valid"][:] = False
+    assert score_flows(footage, {"own": flow})["own"]["all"].coverage == 0
+
+
+@pytest.mark.parametrize(
+    ("change", "words"),
+    [
+        (lambda flow: flow.isel(x=slice(10)), "10 x 20 px, but the footage has 30 x 20 px"),
+        (lambda flow: flow.isel(pair=[0]), "1 picture pairs, but the footage has 2"),
+        (lambda flow: flow.assign_coords(first_frame=("pair", [0, 2])), "not the footage's consecutive ones"),
+    ],
+)
+def test_flow_of_other_pictures_is_refused(footage, flow_of, change, words):
+    with pytest.raises(ScoreError, match=words):
+        score_flows(footage, {"own": change(flow_of(footage))})
+
+
+def test_scores_on_disk(footage, flow_of, tmp_path):
+    strata = score_flows(footage, {"own": flow_of(footage)})["own"]
+    scores = Scores("scene", 3, True, {"own": MethodScore(0.5, strata)})
+    path = tmp_path / "scores.json"
+    scores.write(path)
+    assert Scores.read(path) == scores
+    content = json.loads(path.read_text())
+    assert list(content) == ["schema_version", "scene", "seed", "quick", "versions", "methods"]
+    assert list(content["methods"]["own"]["strata"]["all"]) == [
+        "pixel_count", "coverage", "median", "mean", "p95", "rmse", "bias_u", "bias_v", "wrong_share",
+    ]  # fmt: skip
+
+
+@pytest.mark.parametrize("content", ["", "[]", '{"schema_version": 2}', '{"schema_version": 1}'])
+def test_what_is_not_scores_is_refused(tmp_path, content):
+    (tmp_path / "scores.json").write_text(content)
+    with pytest.raises(ScoreError):
+        Scores.read(tmp_path / "scores.json")

@@ -1,0 +1,328 @@
+"""The steps from a scene to a scored report, each skipped where its result is there and whole."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from validation.manifest import RunFolderError, file_digest, key_of
+from validation.material import Material
+from validation.methods import DEFAULT, Method
+from validation.run_folder import RunFolder
+from validation.score import MethodScore, ScoreError, Scores, score_flows
+from validation.terminal import Terminal
+from validation.versions import package_version
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from synth import Scene
+
+_NEVER_SKIPPED = "a function of your own, whose code may have changed"
+
+
+@dataclass(frozen=True)
+class Work:
+    """How the work is done; results do not depend on it.
+
+    Attributes
+    ----------
+    device : {"cpu", "cuda"}
+        Where kernels run.
+    threads : int or None
+        None: every core.
+    """
+
+    device: str = "cpu"
+    threads: int | None = None
+
+
+def simulate(run: RunFolder, scene: "Scene", *, work: Work, terminal: Terminal) -> None:
+    """Write `scene.toml`, `recording.nc` and `forces.csv`."""
+    import synth
+
+    _adopt(run, scene)
+    key = _simulate_key(scene)
+    if _skips(run, "simulate", key, terminal):
+        return
+    with run.writing("simulate", key) as draft:
+        with terminal.progress("simulate") as progress:
+            recording = synth.simulate(scene, device=work.device, threads=work.threads, progress=progress)
+        recording.write(draft.folder / run.recording.name)
+        recording.write_forces(draft.folder / run.forces.name)
+        draft.facts["digest"] = recording.digest
+
+
+def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
+    """Write `footage/` from the recording and the scene of a run.
+
+    Raises
+    ------
+    RunFolderError
+        There is no recording of this scene.
+    """
+    import synth
+
+    scene = run_scene(run)
+    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    _adopt(run, scene)
+    key = _render_key(run, scene)
+    if _skips(run, "render", key, terminal):
+        return
+    recording = synth.Recording.read(run.recording)
+    with run.writing("render", key) as draft, terminal.progress("render") as progress:
+        folder = draft.folder / run.footage.name
+        synth.render(recording, scene, folder, device=work.device, threads=work.threads, progress=progress)
+
+
+def footage_of(run: RunFolder) -> Material:
+    """Open the pictures of a run.
+
+    Raises
+    ------
+    RunFolderError
+        There are none of this scene.
+    """
+    hint = f"softbed render {run.path}"
+    if not run.scene.is_file():
+        raise RunFolderError(f"{run.path}: no footage of its own: give the pictures' folder")
+    scene = run_scene(run)
+    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    _require(run, "render", _render_key(run, scene), hint)
+    return Material.open(run.footage)
+
+
+def run_scene(run: RunFolder) -> "Scene":
+    """Read the scene of a run.
+
+    Raises
+    ------
+    RunFolderError
+        It has none.
+    """
+    import synth
+
+    if not run.scene.is_file():
+        raise RunFolderError(f"{run.scene}: missing: softbed simulate SCENE {run.path}")
+    return synth.load_scene(run.scene)
+
+
+def analyze(
+    run: RunFolder,
+    material: Material,
+    method: Method,
+    *,
+    soil: str = "bright",
+    work: Work,
+    terminal: Terminal,
+) -> None:
+    """Write `analysis/<method>.nc`."""
+    import soft
+
+    key = _analyze_key(material, method, soil)
+    step = _analyze_step(method)
+    if _skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
+        return
+    with run.writing(step, key) as draft, terminal.progress(f"analyze with {method.name}") as progress:
+        path = draft.folder / "analysis" / f"{method.slug}.nc"
+        path.parent.mkdir()
+        soft.analyze(
+            material.sequence,
+            method=method.name,
+            soil=soil,
+            threads=work.threads,
+            device=work.device,
+            progress=progress,
+            path=path,
+        ).close()
+        draft.facts |= {"method": method.name, "pictures": material.digest, "soil": soil}
+
+
+def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
+    """Write `figures/` of measurements on pictures without truth."""
+    import soft
+
+    paths = {method.slug: run.analysis(method.slug) for method in methods}
+    key = key_of(step="figures", program=_program(), analyses={s: file_digest(p) for s, p in paths.items()})
+    if _skips(run, "figures", key, terminal):
+        return
+    with run.writing("figures", key) as draft, terminal.progress("figures") as progress:
+        for done, (slug, path) in enumerate(paths.items(), start=1):
+            folder = draft.folder / run.figures.name / slug
+            folder.mkdir(parents=True)
+            with soft.read_soil_flow(path) as flow:
+                soft.write_figures(flow, material.sequence, folder)
+            progress(done, len(paths))
+
+
+def score(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> Scores:
+    """Write `scores.json` for methods that have been analyzed.
+
+    Raises
+    ------
+    ScoreError
+        There is no truth about the pictures, or a flow is not of them.
+    """
+    if not material.has_truth:
+        raise ScoreError(f"{material.folder}: holds no truth.nc and sequence.toml: nothing to score against")
+    analyses = {method.name: file_digest(run.analysis(method.slug)) for method in methods}
+    labels = run.manifest
+    key = key_of(
+        step="score",
+        program=_program(),
+        truth=file_digest(material.truth),
+        analyses=list(analyses.items()),
+        scene=[labels.scene, labels.seed, labels.quick],
+    )
+    if not _skips(run, "score", key, terminal):
+        _write_scores(run, key, material, methods, terminal)
+    return Scores.read(run.scores)
+
+
+def _write_scores(
+    run: RunFolder, key: str, material: Material, methods: Sequence[Method], terminal: Terminal
+) -> None:
+    import soft
+    import synth
+
+    labels = run.manifest
+    flows: dict[str, xr.Dataset] = {}
+    try:
+        flows |= {method.name: soft.read_soil_flow(run.analysis(method.slug)) for method in methods}
+        with synth.Footage.open(material.folder) as footage, terminal.progress("score") as progress:
+            summaries = score_flows(footage, flows, progress=progress)
+        seconds = {m.name: _seconds_per_pair(m, flows[m.name]) for m in methods}
+    finally:
+        for flow in flows.values():
+            flow.close()
+    results = {name: MethodScore(seconds[name], strata) for name, strata in summaries.items()}
+    with run.writing("score", key) as draft:
+        Scores(labels.scene, labels.seed, labels.quick, results).write(draft.folder / run.scores.name)
+
+
+def report(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
+    """Write `report.html`."""
+    from validation.report import write_report
+
+    key = key_of(
+        step="report",
+        program=_program(),
+        scores=file_digest(run.scores),
+        pictures=material.digest,
+        scene=run.manifest.scene_hash,
+        recording=run.manifest.files.get(run.recording.name),
+    )
+    if _skips(run, "report", key, terminal):
+        return
+    with run.writing("report", key) as draft, terminal.progress("report"):
+        write_report(draft.folder / run.report.name, run, material, methods)
+
+
+def analyzed_methods(run: RunFolder, material: Material, *, terminal: Terminal) -> list[Method]:
+    """Methods whose analysis of these very pictures is there; says which are left out."""
+    found = []
+    for step, record in run.manifest.steps.items():
+        if not step.startswith("analyze "):
+            continue
+        method = Method(str(record.facts.get("method")))
+        reason = run.why_do(step, record.key)
+        if record.facts.get("pictures") != material.digest:
+            reason = "of other pictures than these"
+        if reason is None:
+            found.append(method)
+        else:
+            terminal.say(f"{step}: {reason}: left out")
+    return found
+
+
+def require_methods(methods: Sequence[Method]) -> None:
+    """Refuse, before long work is done, a method that does not exist.
+
+    Raises
+    ------
+    soft.FlowError
+        A name that leads nowhere.
+    """
+    from soft.flow import find_estimator
+
+    for method in methods:
+        find_estimator(method.name)
+
+
+def methods_to_score(
+    run: RunFolder, material: Material, asked: Sequence[Method], *, work: Work, terminal: Terminal
+) -> list[Method]:
+    """Choose the methods asked for, analyzed where needed; else all analyzed ones; else the default."""
+    methods = list(asked) or analyzed_methods(run, material, terminal=terminal)
+    if asked or not methods:
+        methods = methods or [Method(DEFAULT)]
+        for method in methods:
+            analyze(run, material, method, work=work, terminal=terminal)
+    return methods
+
+
+def _adopt(run: RunFolder, scene: "Scene") -> None:
+    """Make `scene` the run's: `scene.toml` and the labels of the manifest."""
+    if run.why_do("scene", scene.hash) is not None:
+        with run.writing("scene", scene.hash) as draft:
+            (draft.folder / run.scene.name).write_text(scene.to_toml(), encoding="utf-8")
+    run.label(scene=scene.name, scene_hash=scene.hash, seed=scene.seed, quick=scene.quick)
+
+
+def _skips(run: RunFolder, step: str, key: str, terminal: Terminal, *, never: str | None = None) -> bool:
+    reason = run.why_do(step, key)
+    if reason is None and never is None:
+        terminal.say(f"{step}: done before, its files are whole: skipped")
+        return True
+    if step in run.manifest.steps:
+        terminal.say(f"{step}: {reason or never}: doing it again")
+    return False
+
+
+def _require(run: RunFolder, step: str, key: str, command: str) -> None:
+    reason = run.why_do(step, key)
+    if reason is not None:
+        raise RunFolderError(f"{run.path}: {step}: {reason}: run `{command}` first")
+
+
+def _simulate_key(scene: "Scene") -> str:
+    return key_of(step="simulate", program=_program(), scene=scene.simulation_hash)
+
+
+def _render_key(run: RunFolder, scene: "Scene") -> str:
+    recording = run.manifest.steps["simulate"].facts["digest"]
+    return key_of(step="render", program=_program(), recording=recording, scene=scene.hash)
+
+
+def _analyze_step(method: Method) -> str:
+    return f"analyze {method.slug}"
+
+
+def _analyze_key(material: Material, method: Method, soil: str) -> str:
+    return key_of(
+        step="analyze",
+        program=_program(),
+        # DIS gives other numbers in other versions.
+        opencv=package_version("opencv-python-headless"),
+        pictures=material.digest,
+        method=method.name,
+        files=_flow_files(method),
+        soil=soil,
+    )
+
+
+def _flow_files(method: Method) -> list[str]:
+    """SHA-256 of every file of flow measured elsewhere, in order."""
+    if not method.is_files:
+        return []
+    from soft.flow import FlowFiles
+
+    return [file_digest(path) for path in FlowFiles(method.folder).paths]
+
+
+def _seconds_per_pair(method: Method, flow: "xr.Dataset") -> float | None:
+    """Wall time as the analysis took it; what was measured elsewhere tells none."""
+    return None if method.is_files else float(flow.attrs["seconds_per_pair"])
+
+
+def _program() -> str:
+    return package_version("softbed")

@@ -1,0 +1,363 @@
+"""The command line: `softbed`.
+
+Heavy libraries are imported inside commands, so that `softbed --help` is instant.
+"""
+
+import os
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Annotated, Any, Literal
+
+import typer
+
+from validation.terminal import Terminal
+
+BAD_INPUT = 2
+INTERRUPTED = 130
+_ROOMS = ("soft", "synth", "validation")
+
+app = typer.Typer(
+    help="A virtual glass-walled soil bin where every grain's motion is known, soil optical flow, its score.",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode="rich",
+)
+
+SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="A shipped scene's name or a TOML file.")]
+OutFolder = Annotated[Path, typer.Argument(metavar="OUT", help="A run folder; made where there is none.")]
+RunPath = Annotated[Path, typer.Argument(metavar="OUT", help="A run folder.")]
+Quick = Annotated[bool, typer.Option("--quick", help="The scene's smaller and coarser version.")]
+Seed = Annotated[int | None, typer.Option(min=0, metavar="N", help="Another realisation.")]
+Threads = Annotated[int | None, typer.Option(min=1, help="Default: every core.", show_default=False)]
+Device = Annotated[Literal["cpu", "cuda"], typer.Option(help="Where kernels run.")]
+Methods = Annotated[
+    list[str] | None,
+    typer.Option(
+        "--method",
+        metavar="METHOD",
+        help="dis, farneback, package.module:function, or files:FOLDER of .flo; may repeat.",
+        show_default=False,
+    ),
+]
+Out = Annotated[
+    Path | None,
+    typer.Option("--out", metavar="DIR", help="Default: PATH if it is a run folder, else ./<name>-softbed."),
+]
+MetresPerPixel = Annotated[
+    float | None, typer.Option(help="Size of a pixel on the glass, m.", show_default=False)
+]
+FrameRate = Annotated[float | None, typer.Option(help="Pictures a second.", show_default=False)]
+Soil = Annotated[
+    Literal["bright", "dark", "all"],
+    typer.Option(help="Soil against what surrounds it; all: only soil."),
+]
+Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output and nothing else.")]
+Debug = Annotated[bool, typer.Option("--debug", help="A full traceback when something fails.")]
+
+
+def main() -> None:
+    """Run the command line; the process ends with 0 done, 1 a check failed, 2 bad input or usage."""
+    sys.exit(run_command(sys.argv[1:]))
+
+
+def run_command(arguments: Sequence[str]) -> int:
+    """Run one command and return its exit status; every expected error is one line on standard error."""
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")  # what it warns of is said by our own line
+    try:
+        status = app(args=list(arguments), prog_name="softbed", standalone_mode=False)
+    except KeyboardInterrupt:
+        status = INTERRUPTED
+    except Exception as error:
+        if "--debug" in arguments or not _is_expected(error):
+            raise
+        _complain(_in_one_line(error), as_json="--json" in arguments)
+        return BAD_INPUT
+    if status == INTERRUPTED:
+        _complain("interrupted; nothing half-written is left", as_json=False)
+    return status if isinstance(status, int) else 0
+
+
+def _is_expected(error: Exception) -> bool:
+    """Bad input and usage, as against faults of this program."""
+    ours = type(error).__module__.partition(".")[0] in _ROOMS
+    return ours or isinstance(error, ValueError | OSError) or _is_usage_error(error)
+
+
+def _is_usage_error(error: Exception) -> bool:
+    # Which module defines it depends on typer's version; all of them can word themselves.
+    return hasattr(error, "format_message")
+
+
+def _in_one_line(error: Exception) -> str:
+    if _is_usage_error(error):
+        command = getattr(getattr(error, "ctx", None), "command_path", "softbed")
+        text = f"{error.format_message()} (see {command} --help)"  # type: ignore[attr-defined]
+    elif isinstance(error, OSError) and error.strerror:
+        text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    else:
+        text = str(error) or type(error).__name__
+    return " ".join(text.split())
+
+
+def _complain(line: str, *, as_json: bool) -> None:
+    terminal = Terminal(json=as_json)
+    terminal.say(f"softbed: {line}")
+    terminal.give({"schema_version": 1, "error": line})
+
+
+def _version(wanted: bool) -> None:
+    if wanted:
+        from validation.versions import package_version
+
+        print(f"softbed {package_version('softbed')}")  # noqa: T201
+        raise typer.Exit
+
+
+@app.callback()
+def _every_command(
+    version: Annotated[
+        bool, typer.Option("--version", callback=_version, is_eager=True, help="Say the version and end.")
+    ] = False,
+) -> None:
+    pass
+
+
+@app.command()
+def scenes(json: Json = False, debug: Debug = False) -> None:
+    """List the shipped scenes."""
+    from synth import load_scene, scene_names
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        shipped = [load_scene(name) for name in scene_names()]
+    terminal.show("\n".join(f"{scene.name:16} {scene.description}" for scene in shipped))
+    rows = [{"name": scene.name, "kind": scene.kind, "description": scene.description} for scene in shipped]
+    terminal.give({"schema_version": 1, "scenes": rows})
+
+
+@app.command("new-scene")
+def new_scene(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="The TOML file to write; must not exist.")],
+    source: Annotated[
+        str, typer.Option("--from", metavar="SCENE", help="The shipped scene to start from.")
+    ] = "rolling_wheel",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Write a commented scene file to change and run."""
+    from validation.scene_template import write_template
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        write_template(file, source)
+    terminal.show(f"{file}: written; change it, then: softbed run {file} OUT")
+    terminal.give({"schema_version": 1, "file": str(file), "from": source})
+
+
+@app.command()
+def simulate(
+    scene: SceneName,
+    out: OutFolder,
+    quick: Quick = False,
+    seed: Seed = None,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Simulate a scene: OUT/recording.nc and OUT/forces.csv."""
+    from synth import load_scene
+    from validation import chain
+    from validation.run_folder import RunFolder
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        chosen = load_scene(scene, quick=quick, seed=seed)
+        with RunFolder.create(out) as run:
+            chain.simulate(run, chosen, work=chain.Work(device, threads), terminal=terminal)
+            document = _step_document(run, "simulate")
+    terminal.show(f"{run.recording}, {run.forces}")
+    terminal.give(document)
+
+
+@app.command()
+def render(
+    out: RunPath,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Render the pictures of a simulated run, and the truth about them: OUT/footage."""
+    from validation import chain
+    from validation.run_folder import RunFolder
+
+    terminal = Terminal(json=json)
+    with terminal.working(), RunFolder.open(out) as run:
+        chain.render(run, work=chain.Work(device, threads), terminal=terminal)
+        document = _step_document(run, "render")
+    terminal.show(str(run.footage))
+    terminal.give(document)
+
+
+@app.command()
+def analyze(
+    path: Annotated[
+        Path, typer.Argument(metavar="PATH", help="A run folder, a footage folder, or a folder of pictures.")
+    ],
+    method: Methods = None,
+    out: Out = None,
+    metres_per_pixel: MetresPerPixel = None,
+    frame_rate: FrameRate = None,
+    soil: Soil = "bright",
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Measure soil flow in pictures: analysis/METHOD.nc, and figures/ where no truth is known."""
+    from validation import chain
+    from validation.methods import DEFAULT, choose
+
+    terminal = Terminal(json=json)
+    with terminal.working(), _methods_of_this_folder():
+        methods = choose(method or [DEFAULT])
+        scale = {"metres_per_pixel": metres_per_pixel, "frame_rate": frame_rate}
+        with _material(path, out, **scale) as (run, material):
+            for chosen in methods:
+                work = chain.Work(device, threads)
+                chain.analyze(run, material, chosen, soil=soil, work=work, terminal=terminal)
+            if not material.has_truth:
+                chain.draw(run, material, methods, terminal=terminal)
+            document = _step_document(run, *(f"analyze {chosen.slug}" for chosen in methods))
+    terminal.show("\n".join(str(run.analysis(chosen.slug)) for chosen in methods))
+    if not material.has_truth:
+        terminal.show(f"figures: {run.figures}")
+    terminal.give(document)
+
+
+@app.command()
+def score(
+    path: Annotated[Path, typer.Argument(metavar="OUT", help="A run folder, or a footage folder.")],
+    method: Methods = None,
+    out: Out = None,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Compare soil flow with the truth: scores.json and report.html.
+
+    Scores the methods that have been analyzed, or those asked for, which are analyzed first where needed.
+    """
+    from validation import chain
+    from validation.methods import choose
+
+    terminal = Terminal(json=json)
+    with terminal.working(), _methods_of_this_folder(), _material(path, out) as (run, material):
+        work = chain.Work(device, threads)
+        methods = chain.methods_to_score(run, material, choose(method or []), work=work, terminal=terminal)
+        scores = chain.score(run, material, methods, terminal=terminal)
+        chain.report(run, material, methods, terminal=terminal)
+    _show_scores(run, scores, terminal)
+
+
+@app.command()
+def run(
+    scene: SceneName,
+    out: OutFolder,
+    method: Methods = None,
+    quick: Quick = False,
+    seed: Seed = None,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """All of it: simulate, render, analyze, score, report. Run again, it does only what is missing."""
+    from synth import load_scene
+    from validation import chain
+    from validation.methods import DEFAULT, choose
+    from validation.run_folder import RunFolder
+
+    terminal = Terminal(json=json)
+    work = chain.Work(device, threads)
+    with terminal.working(), _methods_of_this_folder():
+        methods = choose(method or [DEFAULT])
+        chain.require_methods(methods)
+        chosen = load_scene(scene, quick=quick, seed=seed)
+        with RunFolder.create(out) as folder:
+            chain.simulate(folder, chosen, work=work, terminal=terminal)
+            chain.render(folder, work=work, terminal=terminal)
+            material = chain.footage_of(folder)
+            for one in methods:
+                chain.analyze(folder, material, one, work=work, terminal=terminal)
+            scores = chain.score(folder, material, methods, terminal=terminal)
+            chain.report(folder, material, methods, terminal=terminal)
+    _show_scores(folder, scores, terminal)
+
+
+@contextmanager
+def _material(path: Path, out: Path | None, **scale: float | None) -> Iterator[tuple[Any, Any]]:
+    """Open the folder that results go to, and the pictures."""
+    from validation import chain
+    from validation.material import Material, results_folder
+    from validation.run_folder import RunFolder, is_run_folder
+
+    chosen = results_folder(path, out)
+    if is_run_folder(path):
+        _refuse_scale(path, scale)
+        with RunFolder.open(path) as source:
+            material = chain.footage_of(source)
+            if chosen == path:
+                yield source, material
+                return
+            with RunFolder.create(chosen) as results:
+                yield results, material
+        return
+    material = Material.open(path, **scale)
+    with RunFolder.create(chosen) as results:
+        yield results, material
+
+
+def _refuse_scale(path: Path, scale: dict[str, float | None]) -> None:
+    given = [name for name, value in scale.items() if value is not None]
+    if given:
+        option = f"--{given[0].replace('_', '-')}"
+        raise typer.BadParameter(f"{option}: {path} is a run folder, whose footage knows its own")
+
+
+@contextmanager
+def _methods_of_this_folder() -> Iterator[None]:
+    """Let a user's own `package.module:function` lie in the current folder."""
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
+    try:
+        yield
+    finally:
+        sys.path.remove(here)
+
+
+def _step_document(run: Any, *steps: str) -> dict[str, Any]:
+    done = {step: run.manifest.steps[step] for step in steps}
+    return {
+        "schema_version": 1,
+        "folder": str(run.path),
+        "steps": {
+            step: {"seconds": record.seconds, "files": record.files, **record.facts}
+            for step, record in done.items()
+        },
+    }
+
+
+def _show_scores(run: Any, scores: Any, terminal: Terminal) -> None:
+    from validation.score_table import published_lines, score_table
+
+    terminal.show(score_table(scores))
+    for line in published_lines(run):
+        terminal.show(line)
+    terminal.show(f"scores: {run.scores}\nreport: {run.report}")
+    terminal.give(scores.to_dict())

@@ -1,0 +1,118 @@
+"""One picture pair with its truth and its measurements, as a report shows it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.metrics import end_point_error
+from validation.strata import find_strata
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from validation.material import Material
+    from validation.methods import Method
+    from validation.run_folder import RunFolder
+
+
+@dataclass(frozen=True, eq=False)
+class Motion:
+    """Motion of soil in the inertial frame.
+
+    Attributes
+    ----------
+    u, v : (H, W) array
+        Displacement, px a frame, x right and y down; NaN where there is no soil or it is not known.
+    """
+
+    u: np.ndarray
+    v: np.ndarray
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Magnitude, px a frame."""
+        return np.hypot(self.u, self.v)
+
+    @property
+    def direction(self) -> np.ndarray:
+        """Angle, rad, counter-clockwise from right as the picture shows it: pi/2 is up."""
+        return np.arctan2(-self.v, self.u)
+
+
+@dataclass(frozen=True, eq=False)
+class Measured:
+    """What one method measured of the pair.
+
+    Attributes
+    ----------
+    motion : Motion
+        As the method says: its own soil, its own camera motion.
+    error : (H, W) array
+        End-point error, px, over true soil; NaN elsewhere and where not measured.
+    missed : (H, W) bool array
+        True soil that was not measured.
+    """
+
+    motion: Motion
+    error: np.ndarray
+    missed: np.ndarray
+
+
+@dataclass(frozen=True, eq=False)
+class PairView:
+    """One picture pair.
+
+    Attributes
+    ----------
+    pair : int
+        Its number.
+    picture : (H, W) array
+        The first picture, grey levels 0-255.
+    truth : Motion
+        What the soil did.
+    strata : dict
+        The (H, W) bool masks of `validation.strata`.
+    measured : dict
+        By method's name.
+    """
+
+    pair: int
+    picture: np.ndarray
+    truth: Motion
+    strata: dict[str, np.ndarray]
+    measured: dict[str, Measured]
+
+
+def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]", pair: int) -> PairView:
+    """Read one pair of a scored run."""
+    import soft
+    import synth
+
+    with synth.Footage.open(material.folder) as footage:
+        truth = footage.truth(pair).load()
+    found = find_strata(truth)
+    here = found.masks["all"]
+    motion = Motion(
+        np.where(here, truth["u"].values - found.camera_u, np.nan), np.where(here, truth["v"].values, np.nan)
+    )
+    measured = {}
+    for method in methods:
+        with soft.read_soil_flow(run.analysis(method.slug)) as flow:
+            measured[method.name] = _measured(flow.isel(pair=pair).load(), truth, here)
+    return PairView(pair, material.sequence[pair], motion, found.masks, measured)
+
+
+def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:
+    said = flow["soil"].values.astype(bool) & flow["valid"].values.astype(bool)
+    motion = Motion(
+        np.where(said, flow["inertial_u"].values, np.nan), np.where(said, flow["inertial_v"].values, np.nan)
+    )
+    judged = here & flow["valid"].values.astype(bool)
+    error = end_point_error(
+        flow["u"].values - truth["u"].values.astype(float), flow["v"].values - truth["v"].values.astype(float)
+    )
+    return Measured(
+        motion, np.where(judged, error, np.nan), here & ~np.isfinite(np.where(judged, error, np.nan))
+    )

@@ -1,0 +1,181 @@
+"""Compare soil flow with the truth: `scores.json`."""
+
+import json
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.metrics import ErrorSummary, ErrorTally
+from validation.strata import STRATA, find_strata
+from validation.versions import package_versions
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from synth import Footage
+
+SCHEMA_VERSION = 1
+
+
+class ScoreError(ValueError):
+    """A measurement that cannot be compared with this footage; the message is one line."""
+
+
+@dataclass(frozen=True)
+class MethodScore:
+    """How one method did.
+
+    Attributes
+    ----------
+    seconds_per_pair : float or None
+        Wall time of the analysis a picture pair.
+    strata : dict
+        An `ErrorSummary` for every name of `STRATA`.
+    """
+
+    seconds_per_pair: float | None
+    strata: dict[str, ErrorSummary]
+
+
+@dataclass(frozen=True)
+class Scores:
+    """The content of `scores.json`."""
+
+    scene: str
+    seed: int
+    quick: bool
+    methods: dict[str, MethodScore]
+
+    def to_dict(self) -> dict[str, Any]:
+        """As it stands in scores.json."""
+        return {
+            "schema_version": SCHEMA_VERSION,
+            "scene": self.scene,
+            "seed": self.seed,
+            "quick": self.quick,
+            "versions": package_versions(),
+            "methods": {
+                name: {
+                    "seconds_per_pair": method.seconds_per_pair,
+                    "strata": {stratum: summary.to_dict() for stratum, summary in method.strata.items()},
+                }
+                for name, method in self.methods.items()
+            },
+        }
+
+    def write(self, path: str | Path) -> None:
+        """Write `scores.json`."""
+        Path(path).write_text(json.dumps(self.to_dict(), indent=1, allow_nan=False) + "\n", encoding="utf-8")
+
+    @classmethod
+    def read(cls, path: str | Path) -> "Scores":
+        """Read `scores.json`.
+
+        Raises
+        ------
+        ScoreError
+            Not scores, or of another schema version.
+        """
+        try:
+            content = json.loads(Path(path).read_text(encoding="utf-8"))
+            if content["schema_version"] != SCHEMA_VERSION:
+                version = content["schema_version"]
+                raise ScoreError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
+            methods = {name: _method_from(table) for name, table in content["methods"].items()}
+            return cls(content["scene"], content["seed"], content["quick"], methods)
+        except (KeyError, TypeError, json.JSONDecodeError) as error:
+            raise ScoreError(f"{path}: not scores: {error}") from None
+
+
+def _method_from(table: dict[str, Any]) -> MethodScore:
+    strata = {name: ErrorSummary(**summary) for name, summary in table["strata"].items()}
+    return MethodScore(table["seconds_per_pair"], strata)
+
+
+def score_flows(
+    footage: "Footage",
+    flows: Mapping[str, "xr.Dataset"],
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, dict[str, ErrorSummary]]:
+    """Errors of every method in every stratum, over all consecutive picture pairs.
+
+    Parameters
+    ----------
+    footage : synth.Footage
+        Pictures and truth.
+    flows : mapping
+        A SoilFlow over `pair, y, x` for each method's name.
+    progress : callable, optional
+        Called with pairs done and pairs in all.
+
+    Raises
+    ------
+    ScoreError
+        A flow is not of this footage: another size, other pairs.
+    """
+    truth_shape = _shape_of(footage)
+    for name, flow in flows.items():
+        require_match(name, flow, shape=truth_shape, pair_count=footage.pair_count)
+    # Strata overlap; the combinations of them do not: each pixel's error is kept once.
+    tallies: dict[str, dict[int, ErrorTally]] = {name: {} for name in flows}
+    for pair in range(footage.pair_count):
+        truth = footage.truth(pair).load()
+        codes = _membership(find_strata(truth).masks)
+        for name, flow in flows.items():
+            _add_pair(tallies[name], codes, truth, flow.isel(pair=pair))
+        if progress:
+            progress(pair + 1, footage.pair_count)
+    return {name: _summaries(parts) for name, parts in tallies.items()}
+
+
+def require_match(name: str, flow: "xr.Dataset", *, shape: tuple[int, int], pair_count: int) -> None:
+    """Refuse a flow that was not measured on pictures of this shape (rows, columns) and number of pairs."""
+    measured = (flow.sizes.get("y"), flow.sizes.get("x"))
+    if measured != shape:
+        raise ScoreError(
+            f"analysis of {name}: {measured[1]} x {measured[0]} px, "
+            f"but the footage has {shape[1]} x {shape[0]} px"
+        )
+    if flow.sizes.get("pair") != pair_count:
+        raise ScoreError(
+            f"analysis of {name}: {flow.sizes.get('pair')} picture pairs, but the footage has {pair_count}"
+        )
+    if "first_frame" in flow.coords:
+        first, second = flow["first_frame"].values, flow["second_frame"].values
+        if not (np.array_equal(first, np.arange(pair_count)) and np.array_equal(second, first + 1)):
+            raise ScoreError(f"analysis of {name}: its pairs are not the footage's consecutive ones")
+
+
+def _shape_of(footage: "Footage") -> tuple[int, int]:
+    sizes = footage.truth(0).sizes
+    return sizes["y"], sizes["x"]
+
+
+def _membership(masks: dict[str, np.ndarray]) -> np.ndarray:
+    """Bit k is set where a pixel belongs to the k-th stratum; (H, W) uint8, 0 where it belongs to none."""
+    codes = np.zeros(masks[STRATA[0]].shape, np.uint8)
+    for bit, name in enumerate(STRATA):
+        codes |= masks[name].astype(np.uint8) << np.uint8(bit)
+    return codes
+
+
+def _add_pair(
+    parts: dict[int, ErrorTally], codes: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset"
+) -> None:
+    measured = flow["valid"].values.astype(bool) if "valid" in flow else True
+    difference_u = np.where(measured, flow["u"].values - truth["u"].values, np.nan)
+    difference_v = np.where(measured, flow["v"].values - truth["v"].values, np.nan)
+    for code in np.unique(codes[codes > 0]):
+        here = codes == code
+        parts.setdefault(int(code), ErrorTally()).add(difference_u[here], difference_v[here])
+
+
+def _summaries(parts: dict[int, ErrorTally]) -> dict[str, ErrorSummary]:
+    return {
+        name: ErrorTally.summary([tally for code, tally in sorted(parts.items()) if code >> bit & 1])
+        for bit, name in enumerate(STRATA)
+    }

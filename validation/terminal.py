@@ -1,0 +1,138 @@
+"""How the command line talks: results on standard output, everything else on standard error."""
+
+import contextlib
+import json
+import os
+import sys
+import time
+from collections.abc import Callable, Iterator
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rich.console import RenderableType
+
+Progress = Callable[[int, int], None]
+"""Called with work done and work in all."""
+
+_COLUMNS = 110
+_SECONDS_BETWEEN_LINES = 10.0
+_SECONDS_BETWEEN_LINES_AT_MOST = 120.0
+
+
+class Terminal:
+    """What a command says while it works and when it is done.
+
+    Parameters
+    ----------
+    json : bool
+        Keep standard output for one JSON document. Whatever libraries print there goes to standard error,
+        even from compiled code.
+    """
+
+    def __init__(self, *, json: bool = False) -> None:
+        self.json = json
+
+    def say(self, line: str) -> None:
+        """One plain line about the work."""
+        print(line, file=sys.stderr, flush=True)  # noqa: T201 - this is where lines are printed
+
+    def show(self, result: "RenderableType") -> None:
+        """Show a result to a person; silent where the JSON document takes its place."""
+        if self.json:
+            return
+        from rich.console import Console
+
+        width = None if sys.stdout.isatty() else 110
+        console = Console(file=sys.stdout, width=width, highlight=False)
+        console.print(result, markup=False, soft_wrap=isinstance(result, str))
+
+    def give(self, document: dict[str, Any]) -> None:
+        """Print the JSON document, where one was asked for."""
+        if self.json:
+            print(json.dumps(document, indent=1, allow_nan=False))  # noqa: T201
+
+    @contextlib.contextmanager
+    def working(self) -> Iterator[None]:
+        """While inside, nothing but JSON can reach standard output if that is what it is kept for."""
+        if not self.json:
+            yield
+            return
+        with contextlib.redirect_stdout(sys.stderr), _descriptor_1_to_2():
+            yield
+
+    @contextlib.contextmanager
+    def progress(self, label: str) -> Iterator[Progress]:
+        """Tell of one piece of work: a bar with the time left on a terminal, a few lines elsewhere."""
+        with _bar(label) if sys.stderr.isatty() else _lines(label, self.say) as advance:
+            yield advance
+
+
+@contextlib.contextmanager
+def _bar(label: str) -> Iterator[Progress]:
+    from rich.console import Console
+    from rich.progress import (
+        BarColumn,
+        MofNCompleteColumn,
+        TextColumn,
+        TimeElapsedColumn,
+        TimeRemainingColumn,
+    )
+    from rich.progress import Progress as Bars
+
+    columns = (
+        TextColumn("{task.description}"),
+        BarColumn(),
+        MofNCompleteColumn(),
+        TimeElapsedColumn(),
+        TextColumn("left"),
+        TimeRemainingColumn(),
+    )
+    with Bars(*columns, console=Console(file=sys.stderr)) as bars:
+        task = bars.add_task(label, total=None)
+        yield lambda done, total: bars.update(task, completed=done, total=total)
+
+
+@contextlib.contextmanager
+def _lines(label: str, say: Callable[[str], None]) -> Iterator[Progress]:
+    started = time.monotonic()
+    spoken, pause = started, _SECONDS_BETWEEN_LINES
+    say(f"{label} ...")
+
+    def advance(done: int, total: int) -> None:
+        nonlocal spoken, pause
+        now = time.monotonic()
+        if done and done < total and now - spoken > pause:
+            left = (now - started) * (total - done) / done
+            say(f"{label}: {done} of {total}, about {duration(left)} left")
+            spoken, pause = now, min(2 * pause, _SECONDS_BETWEEN_LINES_AT_MOST)
+
+    yield advance
+    say(f"{label}: done in {duration(time.monotonic() - started)}")
+
+
+def duration(seconds: float) -> str:
+    """Seconds as a person says them.
+
+    >>> duration(4.21), duration(75), duration(7300)
+    ('4.2 s', '1 min 15 s', '2 h 1 min')
+    """
+    if seconds < 9.95:
+        return f"{seconds:.1f} s"
+    whole = round(seconds)
+    if whole < 60:
+        return f"{whole} s"
+    if whole < 3600:
+        return f"{whole // 60} min {whole % 60} s"
+    return f"{whole // 3600} h {whole % 3600 // 60} min"
+
+
+@contextlib.contextmanager
+def _descriptor_1_to_2() -> Iterator[None]:
+    sys.stdout.flush()
+    kept = os.dup(1)
+    try:
+        os.dup2(2, 1)
+        yield
+    finally:
+        os.dup2(kept, 1)
+        os.close(kept)
