@@ -10,7 +10,7 @@ from synth.scene import PlateScene, Scene, SoilBinScene
 
 Progress = Callable[[int, int], None]
 
-_BED_SHARE = 0.25
+_BED_SHARE = 0.4
 """Share of a simulation's time that the bed takes, roughly: for the progress shown, for nothing else."""
 _PARTS = 1000
 

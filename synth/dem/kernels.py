@@ -31,10 +31,13 @@ TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(6)
 TOOL_RADIUS, TOOL_MASS, TOOL_LOAD, TOOL_PX, TOOL_PZ, TOOL_PM = range(6, 12)
 TOOL_SIZE = 12
 
+FAR = 1e30
+"""Further squared, m2, than a grain can be."""
 STEPS_PER_LAUNCH = 8
 """A launch costs as much as a tenth of a step of 10 000 grains: several steps share one."""
 
 Ref = ti.template()  # an array handed on to a function
+Pair = ti.types.vector(2, ti.f64)
 Row = ti.types.ndarray(ti.f64, ndim=1)
 Table = ti.types.ndarray(ti.f64, ndim=2)
 Index = ti.types.ndarray(ti.i32, ndim=1)
@@ -326,16 +329,17 @@ def advance(
 
 
 @ti.kernel
-def greatest_shift(grain_count: ti.i32, motion: Table, listed: Table) -> ti.f64:
-    """Greatest squared distance of a grain from where it was when its neighbours were listed, m2.
+def greatest_shift_and_speed(grain_count: ti.i32, motion: Table, listed: Table) -> Pair:
+    """Greatest squared distance (m2) of a grain from where it was when its neighbours were listed, and speed.
 
     A grain that is no longer a number counts as infinitely far.
     """
-    greatest = 0.0
+    shift, speed = 0.0, 0.0
     for i in range(grain_count):
         dx, dz = motion[X, i] - listed[0, i], motion[Z, i] - listed[1, i]
         square = dx * dx + dz * dz
-        if not square < 1e30:
-            square = 1e30
-        ti.atomic_max(greatest, square)
-    return greatest
+        if not square < FAR:
+            square = FAR
+        ti.atomic_max(shift, square)
+        ti.atomic_max(speed, motion[VX, i] * motion[VX, i] + motion[VZ, i] * motion[VZ, i])
+    return Pair(shift, speed)

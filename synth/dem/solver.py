@@ -16,6 +16,10 @@ _REBUILD_AT = 0.4
 """Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
 
 
+_MOST_UNWATCHED = 16
+"""Launches between two looks at how far grains have moved, at most."""
+
+
 class SimulationError(RuntimeError):
     """The simulation cannot go on; the message says which grain, when, and what to change."""
 
@@ -89,6 +93,7 @@ class Solver:
         self._constants = self._array(self._constants_row())
         self._neighbours: NeighbourList | None = None
         self._pair_memory: Any = None
+        self._unwatched, self._watch_after = 0, 1
         self._list_neighbours()
 
     def advance(self, steps: int) -> None:
@@ -105,7 +110,10 @@ class Solver:
         for chunk in [STEPS_PER_LAUNCH] * whole + [1] * rest:
             self._launch(chunk)
             self.time += chunk * self.time_step
-            self._watch()
+            self._unwatched += 1
+            if self._unwatched >= self._watch_after:
+                self._watch()
+        self._watch()
 
     def drive_tool(self, *, velocity_x: float, spin: float, load: float) -> None:
         """Tell the implement how to travel (m/s), how to turn (rad/s), and its load (N/m)."""
@@ -187,14 +195,23 @@ class Solver:
         )
 
     def _watch(self) -> None:
-        """List neighbours anew in time, and stop where that came too late."""
-        from synth.dem.kernels import greatest_shift
+        """List neighbours anew in time, and stop where that came too late.
 
-        shift = float(np.sqrt(greatest_shift(self.grains.count, self._motion, self._listed)))
+        The next look is due when the fastest grain, at its present speed, moves half of what is left.
+        """
+        from synth.dem import kernels as k
+
+        if self._unwatched == 0:
+            return
+        squares = k.greatest_shift_and_speed(self.grains.count, self._motion, self._listed)
+        shift, speed = (float(np.sqrt(square)) for square in squares)
         shift = max(shift, self._tool_shift())
         if shift > 0.5 * self._skin:
             raise SimulationError(self._blow_up())
-        if shift > _REBUILD_AT * self._skin:
+        left = _REBUILD_AT * self._skin - shift
+        reach = max(speed * self.time_step * k.STEPS_PER_LAUNCH, 1e-9 * self._skin)
+        self._unwatched, self._watch_after = 0, min(_MOST_UNWATCHED, max(1, int(0.5 * left / reach)))
+        if left < 0:
             self._list_neighbours()
 
     def _tool_shift(self) -> float:
@@ -215,6 +232,7 @@ class Solver:
     def _list_neighbours(self) -> None:
         position = self._motion.to_numpy()[0:2]
         listed = list_neighbours(position, self.grains.radius, self._skin)
+        self._unwatched, self._watch_after = 0, 1
         memory = np.zeros((2, listed.pairs.shape[1]))
         if self._neighbours is not None:
             memory = carry_memory(self._neighbours, self._pair_memory.to_numpy().T, listed)
