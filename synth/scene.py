@@ -9,10 +9,11 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
 from synth.camera.settings import Camera, Lens, Light, Sensor, Texture
-from synth.implements import Plate, RigidWheel
+from synth.drive import Drive, Program
+from synth.implements import Implement, Plate
 from synth.scene_files import scene_names, scenes_folder, soil_names
 from synth.soil import Soil
-from synth.table import Table
+from synth.table import Table, kinds_of
 
 SCHEMA_VERSION = 1
 GRAVITY = 9.81
@@ -104,16 +105,17 @@ class SoilBinScene(_Scene):
     kind: Literal["soil_bin"]
     bed: Bed
     contact: Contact
-    implement: RigidWheel
+    implement: Implement
+    drive: Drive
 
     @model_validator(mode="after")
     def _fits(self) -> Self:
-        travel = self.implement.run_in + self._recorded_travel()
-        reach = self.implement.start + travel + self.implement.radius
-        if self.implement.start < self.implement.radius or reach > self.bed.width:
+        least, greatest = self.program.reach_x((self.timing.frame_count - 1) / self.timing.frame_rate)
+        reach = self.implement.shape.reach
+        left, right = self.drive.start + least - reach, self.drive.start + greatest + reach
+        if left < 0 or right > self.bed.width:
             raise ValueError(
-                f"the wheel must stay between the end walls: it sweeps x = "
-                f"{self.implement.start - self.implement.radius:.3f} to {reach:.3f} m "
+                f"the implement must stay between the end walls: it sweeps x = {left:.3f} to {right:.3f} m "
                 f"of bed.width = {self.bed.width} m"
             )
         if self.bed.depth < 5 * self.bed.grain_diameter:
@@ -123,8 +125,10 @@ class SoilBinScene(_Scene):
             )
         return self
 
-    def _recorded_travel(self) -> float:
-        return self.implement.carriage_speed * (self.timing.frame_count - 1) / self.timing.frame_rate
+    @property
+    def program(self) -> Program:
+        """What the carriage does."""
+        return self.drive.program(self.implement)
 
 
 class PlateScene(_Scene):
@@ -135,7 +139,7 @@ class PlateScene(_Scene):
 
 
 Scene = SoilBinScene | PlateScene
-_KINDS = "soil_bin, plate_rotation"
+_KINDS = {"soil_bin", "plate_rotation", *kinds_of(Implement), *kinds_of(Drive)}
 _SCENE: TypeAdapter[Scene] = TypeAdapter(Annotated[Scene, Field(discriminator="kind")])
 
 
@@ -145,7 +149,8 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
     Parameters
     ----------
     name_or_path : str or Path
-        A shipped scene's name or a TOML file.
+        A shipped scene's name or a TOML file. A file with the key `base` has only what differs from the
+        shipped scene named there.
     quick : bool
         Apply the file's `[quick]` table: a smaller and coarser version of the same scene.
     seed : int, optional
@@ -157,7 +162,7 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
         With file, key, value and what is allowed.
     """
     path = _find(name_or_path)
-    tables = _read_toml(path)
+    tables = _with_base(_read_toml(path), path)
     overrides = tables.pop("quick", None)
     if isinstance(overrides, bool):  # a resolved scene, which says what it was made with
         tables["quick"] = overrides
@@ -210,6 +215,29 @@ def _read_toml(path: Path) -> dict[str, Any]:
         raise SceneError(f"{path}: not TOML: {error}") from None
 
 
+def _with_base(tables: dict[str, Any], path: Path) -> dict[str, Any]:
+    """The tables of a file, laid over those of the shipped scene that it names as its `base`."""
+    if "base" not in tables:
+        return tables
+    name = tables.pop("base")
+    if name not in scene_names():
+        raise SceneError(f"{path}: base = {name!r}: allowed are {', '.join(scene_names())}")
+    base = _read_toml(scenes_folder() / f"{name}.toml")
+    if "base" in base:
+        raise SceneError(f"{path}: base = {name!r}: has a base itself, name {base['base']!r}")
+    for key, value in tables.items():
+        if _of_another_kind(base.get(key), value):
+            base.get("quick", {}).pop(key, None)
+    return _merged(base, tables, path, "scene")
+
+
+def _of_another_kind(old: Any, new: Any) -> bool:
+    """Whether a table replaces another one, of whose keys none mean anything for it."""
+    return (
+        isinstance(old, dict) and isinstance(new, dict) and "kind" in new and new["kind"] != old.get("kind")
+    )
+
+
 def _load_soil(name: str, source: str) -> dict[str, Any]:
     if name not in soil_names():
         raise SceneError(f"{source}: soil = {name!r}: allowed is a table or one of {', '.join(soil_names())}")
@@ -221,7 +249,7 @@ def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> d
         raise SceneError(f"{path}: {where} = {overrides!r}: a table is needed")
     merged = dict(tables)
     for key, value in overrides.items():
-        nested = isinstance(merged.get(key), dict)
+        nested = isinstance(merged.get(key), dict) and not _of_another_kind(merged[key], value)
         merged[key] = _merged(merged[key], value, path, f"{where}.{key}") if nested else value
     return merged
 
@@ -230,17 +258,22 @@ def _complaint(error: ValidationError, source: str) -> str:
     """The first fault in one line: file, key, value, what is allowed."""
     fault = error.errors(include_url=False)[0]
     kind, value = fault["type"], fault["input"]
-    if kind.startswith("union_tag"):  # the table's `kind`, before any other key is looked at
-        found = value.get("kind") if isinstance(value, dict) else None
-        return f"{source}: kind" + (
-            f" = {found!r}: allowed are {_KINDS}" if found else f": missing; allowed are {_KINDS}"
-        )
-    key = ".".join(str(part) for part in fault["loc"][1:]) or "scene"
+    keys = [str(part) for part in fault["loc"] if part not in _KINDS]
+    if kind.startswith("union_tag"):  # a table's `kind`, before any other key is looked at
+        return f"{source}: {'.'.join([*keys, 'kind'])}{_kind_complaint(kind, fault)}"
+    key = ".".join(keys) or "scene"
     if kind == "missing":
         return f"{source}: {key}: missing"
     shown = "" if isinstance(value, dict) else f" = {value!r}"
     said = "unknown key" if kind == "extra_forbidden" else fault["msg"].removeprefix("Value error, ")
     return f"{source}: {key}{shown}: {said}"
+
+
+def _kind_complaint(kind: str, fault: Any) -> str:
+    if kind == "union_tag_not_found":
+        return ": missing"
+    context = fault["ctx"]
+    return f" = {context['tag']!r}: allowed are {context['expected_tags']}"
 
 
 def _digest(tables: dict[str, Any]) -> str:

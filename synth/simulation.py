@@ -42,10 +42,10 @@ def simulate(
 def _work_soil(scene: SoilBinScene, device: str, threads: int | None, progress: Progress | None) -> Recording:
     start_taichi(device, threads)
     from synth.dem.bed import settled_bed
-    from synth.dem.wheel_run import run_wheel
+    from synth.dem.run import run_implement
 
     bed = settled_bed(scene, progress=_share(progress, 0.0, _BED_SHARE))
-    return run_wheel(scene, bed, progress=_share(progress, _BED_SHARE, 1.0))
+    return run_implement(scene, bed, progress=_share(progress, _BED_SHARE, 1.0))
 
 
 def _turn_plate(scene: PlateScene) -> Recording:

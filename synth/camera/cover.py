@@ -99,7 +99,7 @@ def cover(scene: "Scene", recording: "Recording", grains: "MicroGrains", placeme
         placed.x, placed.y, placed.radius, placed.alive, grains.depth, sampling, margin, samples, centres
     )
     if face is not None:
-        kernels.cover_by_wheel(face.x, face.y, face.radius, sampling, margin, samples, centres)
+        kernels.cover_by_implement(face.x, face.y, face.parts, face.reach, sampling, margin, samples, centres)
     soil = _soil(soil_in_view(recording, frame, view, face), centres)
     return Cover(view, placed, face, samples, centres, soil, sampling, margin)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
 from synth.camera.view import View
-from synth.implements import RigidWheel
+from synth.implements import Plate, RigidWheel, Shape
 
 if TYPE_CHECKING:
     import numpy as np
@@ -13,24 +13,35 @@ if TYPE_CHECKING:
     from synth.scene import Scene
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class ImplementFace:
-    """A wheel's side in the picture.
+    """An implement's side in the picture.
 
     Attributes
     ----------
     x, y : float
-        Axle, px.
-    radius : float
-        px.
+        Its reference point (a wheel's axle), px.
     angle : float
         From x towards y of the picture, rad.
+    parts : (C, 5) float64
+        Its capsules, as they stand: both ends from the reference point, and the radius, px.
+    wheel_radius : float
+        px; 0 for what is no wheel and has a plain side.
     """
 
     x: float
     y: float
-    radius: float
     angle: float
+    parts: "np.ndarray"
+    wheel_radius: float
+
+    @property
+    def reach(self) -> float:
+        """Greatest distance of a point of the implement from its reference point, px; a bound."""
+        import numpy as np
+
+        ends = np.hypot(self.parts[:, 0:4:2], self.parts[:, 1:4:2]).max(axis=1)
+        return float((ends + self.parts[:, 4]).max())
 
     def moved(self, x: float, y: float) -> "ImplementFace":
         """Shift by `x`, `y` px."""
@@ -40,17 +51,30 @@ class ImplementFace:
         """Distance of every pixel's centre to the implement, px: (H, W) float32, 0 on it."""
         import numpy as np
 
-        column = np.arange(width, dtype=np.float64) - self.x
-        row = np.arange(height, dtype=np.float64) - self.y
-        distance = np.sqrt(column[None, :] ** 2 + row[:, None] ** 2) - self.radius
-        return np.maximum(distance, 0).astype(np.float32)
+        from synth.camera import kernels
+
+        distance = np.empty((height, width), np.float32)
+        kernels.distance_to_implement(self.x, self.y, self.parts, distance)
+        return distance
 
 
 def face_of(scene: "Scene", recording: "Recording", frame: int, view: View) -> ImplementFace | None:
     """Side of a scene's implement at a frame; None where it cannot be seen, as a plate under its soil."""
-    if not isinstance(scene.implement, RigidWheel):
+    implement = scene.implement
+    if isinstance(implement, Plate):
         return None
     data = recording.data
-    x, y = view.to_image(float(data["implement_x"].values[frame]), float(data["implement_z"].values[frame]))
-    angle = view.angle_to_image(float(data["implement_angle"].values[frame]))
-    return ImplementFace(x, y, view.length_to_image(scene.implement.radius), angle)
+    at = float(data["implement_x"].values[frame]), float(data["implement_z"].values[frame])
+    turn = float(data["implement_angle"].values[frame])
+    x, y = view.to_image(*at)
+    radius = implement.radius if isinstance(implement, RigidWheel) else 0.0
+    parts = _parts_in_view(implement.shape.turned(turn), at, view)
+    return ImplementFace(x, y, view.angle_to_image(turn), parts, view.length_to_image(radius))
+
+
+def _parts_in_view(shape: Shape, at: tuple[float, float], view: View) -> "np.ndarray":
+    import numpy as np
+
+    axle = np.array(view.to_image(*at))
+    ends = [np.stack(view.to_image(*(points + at).T), axis=1) - axle for points in (shape.start, shape.end)]
+    return np.column_stack([*ends, view.length_to_image(shape.radius)])

@@ -87,17 +87,48 @@ def cover_by_grains(
                     _put(centres, j, i, depth[g])
 
 
+@ti.func
+def _away(off_x, off_y, parts: ti.template()):
+    """Distance of a point, given from the reference point, to the nearest of an implement's capsules, px."""
+    nearest = ti.math.inf
+    for c in range(parts.shape[0]):
+        ex, ey = parts[c, 2] - parts[c, 0], parts[c, 3] - parts[c, 1]
+        px, py = off_x - parts[c, 0], off_y - parts[c, 1]
+        length = ex * ex + ey * ey
+        along = 0.0
+        if length > 0.0:
+            along = ti.max(0.0, ti.min(1.0, (px * ex + py * ey) / length))
+        dx, dy = px - along * ex, py - along * ey
+        nearest = ti.min(nearest, ti.sqrt(dx * dx + dy * dy) - parts[c, 4])
+    return nearest
+
+
 @ti.kernel
-def cover_by_wheel(
-    x: ti.f64, y: ti.f64, radius: ti.f64, sampling: ti.i32, margin: ti.i32, samples: _i32, centres: _i32
+def distance_to_implement(x: ti.f64, y: ti.f64, parts: _f64, distance: _f32):
+    """Distance of every pixel's centre to the implement, px, 0 on it."""
+    for j, i in distance:
+        distance[j, i] = ti.cast(ti.max(_away(i - x, j - y, parts), 0.0), ti.f32)
+
+
+@ti.kernel
+def cover_by_implement(
+    x: ti.f64,
+    y: ti.f64,
+    parts: _f64,
+    reach: ti.f64,
+    sampling: ti.i32,
+    margin: ti.i32,
+    samples: _i32,
+    centres: _i32,
 ):
-    """Put a wheel's side in front of everything."""
+    """Put an implement's side, which ends within `reach` px, in front of everything."""
     for j, i in samples:
         off_x, off_y = (i + 0.5) / sampling - 0.5 - margin - x, (j + 0.5) / sampling - 0.5 - margin - y
-        if off_x * off_x + off_y * off_y <= radius * radius:
+        near = off_x * off_x + off_y * off_y <= reach * reach
+        if near and _away(off_x, off_y, parts) <= 0.0:
             samples[j, i] = IMPLEMENT
     for j, i in centres:
-        if (i - x) ** 2 + (j - y) ** 2 <= radius * radius:
+        if _away(i - x, j - y, parts) <= 0.0:
             centres[j, i] = IMPLEMENT
 
 
@@ -163,11 +194,11 @@ def grain_radiance(
 
 
 @ti.kernel
-def wheel_radiance(
+def implement_radiance(
     samples: _i32,
     x: ti.f64,
     y: ti.f64,
-    radius: ti.f64,
+    wheel_radius: ti.f64,
     angle: ti.f64,
     grain: ti.f64,
     sampling: ti.i32,
@@ -175,7 +206,7 @@ def wheel_radiance(
     light: ti.f64,
     radiance: _f32,
 ):
-    """Light of the wheel's side: a rim, a hub and spokes, faintly marked with blotches of `grain` px.
+    """Light of the implement's side, marked with blotches of `grain` px; a wheel has rim, hub and spokes.
 
     These are smooth over a pixel, so one value serves all of a pixel's samples; its outline does not.
     """
@@ -187,7 +218,9 @@ def wheel_radiance(
         if seen:
             off_x, off_y = i - margin - x, j - margin - y
             body_x, body_y = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
-            pattern = _wheel_pattern(body_x / radius, body_y / radius)
+            pattern = 1.0
+            if wheel_radius > 0.0:
+                pattern = _wheel_pattern(body_x / wheel_radius, body_y / wheel_radius)
             blotch = _blotch(body_x / grain, body_y / grain) + 0.5 * _blotch(
                 2.3 * body_x / grain + 31.0, 2.3 * body_y / grain
             )

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     from synth.camera.texture import MicroGrains
     from synth.scene import Scene
 
-_WHEEL_BLOTCH = 1.0e-3
-"""m; size of the marks on the wheel's side."""
+_BLOTCH = 1.0e-3
+"""m; size of the marks on the implement's side."""
 
 
 def take_picture(scene: "Scene", grains: "MicroGrains", covered: Cover, frame: int) -> "np.ndarray":
@@ -93,12 +93,12 @@ def _radiance(scene: "Scene", grains: "MicroGrains", covered: Cover) -> "np.ndar
         radiance,
     )
     if face is not None:
-        blotch = covered.view.length_to_image(_WHEEL_BLOTCH)
-        kernels.wheel_radiance(
+        blotch = covered.view.length_to_image(_BLOTCH)
+        kernels.implement_radiance(
             covered.samples,
             face.x,
             face.y,
-            face.radius,
+            face.wheel_radius,
             face.angle,
             blotch,
             covered.sampling,

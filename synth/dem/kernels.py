@@ -14,10 +14,9 @@ X, Z, VX, VZ, ANGLE, SPIN = range(6)
 RADIUS, MASS, INERTIA = range(3)
 # columns of `pair_load`: force on the first grain, moments on both
 PAIR_FX, PAIR_FZ, PAIR_M1, PAIR_M2 = range(4)
-# columns of `pair_memory`, and rows per boundary of `boundary_memory`
+# columns of `pair_memory` and `tool_memory`, and rows per wall of `wall_memory`
 SHEAR, ROLL = range(2)
-FLOOR, LEFT, RIGHT, IMPLEMENT = range(4)
-BOUNDARY_COUNT = 4
+WALL_COUNT = 3
 # entries of `constants`, which do not change during a run
 KN, KT, DAMPING_N, DAMPING_T, FRICTION, WALL_FRICTION, TOOL_FRICTION, ROLLING_FRICTION, ROLLING_STIFFNESS = (
     range(9)
@@ -27,9 +26,11 @@ CONSTANT_COUNT = 14
 # columns of `pair_body`: what a pair's two grains make together
 ROOT_MASS, REACH = range(2)
 # entries of `tool`: its pose and motion, what drives it, and the impulse the grains gave it since last asked
-TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(6)
-TOOL_RADIUS, TOOL_MASS, TOOL_LOAD, TOOL_PX, TOOL_PZ, TOOL_PM = range(6, 12)
-TOOL_SIZE = 12
+TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_COS, TOOL_SIN, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(8)
+TOOL_MASS, TOOL_LOAD, TOOL_HEAVES, TOOL_PX, TOOL_PZ, TOOL_PM = range(8, 14)
+TOOL_SIZE = 14
+# columns of `parts`: the ends of a capsule in the tool's frame, its radius, and whether it continues another
+PART_AX, PART_AZ, PART_BX, PART_BZ, PART_RADIUS, PART_CONTINUES = range(6)
 
 FAR = 1e30
 """Further squared, m2, than a grain can be."""
@@ -110,112 +111,135 @@ def pair_forces(
 @ti.func
 def boundary_force(
     i,
-    boundary,
     overlap,
     nx,
     nz,
-    surface,
+    surface_x,
+    surface_z,
     spin,
-    arm,
     friction,
+    shear,
+    roll,
     constants: Ref,
     motion: Ref,
     body: Ref,
-    memory: Ref,
 ):
-    """Force (fx, fz), moment on grain `i`, and moment on the boundary, from one that is in contact.
+    """Force (fx, fz) and moment on grain `i` from a boundary it touches, rolling moment, spring to remember.
 
-    (nx, nz) points from the grain into the boundary; `surface` is the boundary's velocity at its centre,
-    `spin` its rotation and `arm` the contact's distance from that centre (a plane: no spin, no arm).
+    (nx, nz) points from the grain into the boundary, whose surface moves at (surface_x, surface_z) where they
+    touch, and turns at `spin`.
     """
-    own_arm = body[RADIUS, i] - 0.5 * overlap
-    vx, vz = motion[VX, i] - surface[0], motion[VZ, i] - surface[1]
-    wi = motion[SPIN, i]
-    normal, shear, moment, spring = contact(
+    arm = body[RADIUS, i] - 0.5 * overlap
+    vx, vz = motion[VX, i] - surface_x, motion[VZ, i] - surface_z
+    normal, tangential, moment, spring = contact(
         overlap,
         vx * nx + vz * nz,
-        vz * nx - vx * nz + wi * own_arm + spin * arm,
-        wi - spin,
+        vz * nx - vx * nz + motion[SPIN, i] * arm,
+        motion[SPIN, i] - spin,
         ti.sqrt(body[MASS, i]),
         body[RADIUS, i],
         friction,
-        memory[2 * boundary + SHEAR, i],
-        memory[2 * boundary + ROLL, i],
+        shear,
+        roll,
         constants,
     )
-    memory[2 * boundary + SHEAR, i] = spring
-    memory[2 * boundary + ROLL, i] = moment
-    return ti.Vector(
-        [-normal * nx - shear * nz, -normal * nz + shear * nx, shear * own_arm + moment, shear * arm - moment]
-    )
-
-
-@ti.func
-def forget(i, boundary, memory: Ref):
-    """A contact that has ended."""
-    memory[2 * boundary + SHEAR, i] = 0.0
-    memory[2 * boundary + ROLL, i] = 0.0
+    fx, fz = -normal * nx - tangential * nz, -normal * nz + tangential * nx
+    return fx, fz, tangential * arm + moment, moment, spring
 
 
 @ti.func
 def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
-    """Force and moment of floor and end walls on grain `i`."""
-    total = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    still = ti.Vector([0.0, 0.0])
+    """Force and moment of floor, left and right wall on grain `i`."""
+    total = ti.Vector([0.0, 0.0, 0.0])
     r, x, z = body[RADIUS, i], motion[X, i], motion[Z, i]
     overlaps = ti.Vector([r - z, r - x, x + r - constants[WIDTH]])
-    for wall in ti.static(range(3)):
-        nx = ti.static((0.0, -1.0, 1.0)[wall])
-        nz = ti.static((-1.0, 0.0, 0.0)[wall])
+    for wall in ti.static(range(WALL_COUNT)):
+        spring, moment = 0.0, 0.0
         if overlaps[wall] > 0.0:
-            total += boundary_force(
+            fx, fz, turning, moment, spring = boundary_force(
                 i,
-                wall,
                 overlaps[wall],
-                nx,
-                nz,
-                still,
+                ti.static((0.0, -1.0, 1.0)[wall]),
+                ti.static((-1.0, 0.0, 0.0)[wall]),
+                0.0,
                 0.0,
                 0.0,
                 constants[WALL_FRICTION],
+                memory[2 * wall + SHEAR, i],
+                memory[2 * wall + ROLL, i],
                 constants,
                 motion,
                 body,
-                memory,
             )
-        else:
-            forget(i, wall, memory)
+            total += ti.Vector([fx, fz, turning])
+        memory[2 * wall + SHEAR, i] = spring
+        memory[2 * wall + ROLL, i] = moment
     return total
 
 
 @ti.func
-def tool_force(i, constants: Ref, tool: Ref, motion: Ref, body: Ref, memory: Ref):
-    """Force and moment of the wheel on grain `i`, and the moment of the grain about the axle."""
-    load = ti.Vector([0.0, 0.0, 0.0, 0.0])
-    dx, dz = tool[TOOL_X] - motion[X, i], tool[TOOL_Z] - motion[Z, i]
-    reach = body[RADIUS, i] + tool[TOOL_RADIUS]
-    square = dx * dx + dz * dz
-    if square < reach * reach:
+def nearest_on_part(part, x, z, tool: Ref, parts: Ref):
+    """Nearest point of a part's line to (x, z), in the world, and whether another part owns it."""
+    cosine, sine = tool[TOOL_COS], tool[TOOL_SIN]
+    # the grain in the tool's frame
+    dx, dz = x - tool[TOOL_X], z - tool[TOOL_Z]
+    px, pz = cosine * dx + sine * dz, -sine * dx + cosine * dz
+    ax, az = parts[part, PART_AX], parts[part, PART_AZ]
+    ex, ez = parts[part, PART_BX] - ax, parts[part, PART_BZ] - az
+    length = ex * ex + ez * ez
+    along = 0.0
+    if length > 0.0:
+        along = ti.max(0.0, ti.min(1.0, ((px - ax) * ex + (pz - az) * ez) / length))
+    qx, qz = ax + along * ex, az + along * ez
+    foreign = along == 0.0 and parts[part, PART_CONTINUES] != 0.0
+    return tool[TOOL_X] + cosine * qx - sine * qz, tool[TOOL_Z] + sine * qx + cosine * qz, foreign
+
+
+@ti.func
+def tool_force(
+    i,
+    c,
+    constants: Ref,
+    tool: Ref,
+    parts: Ref,
+    tool_parts: Ref,
+    motion: Ref,
+    body: Ref,
+    memory: Ref,
+    reaction: Ref,
+):
+    """Force and moment on grain `i` of its tool contact `c`; what the tool feels goes to `reaction`."""
+    part = tool_parts[c]
+    x, z = motion[X, i], motion[Z, i]
+    qx, qz, foreign = nearest_on_part(part, x, z, tool, parts)
+    dx, dz = qx - x, qz - z
+    square, reach = dx * dx + dz * dz, body[RADIUS, i] + parts[part, PART_RADIUS]
+    fx, fz, turning, moment, spring, about_axle = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
+    if square < reach * reach and square > 0.0 and not foreign:
         distance = ti.sqrt(square)
-        overlap = reach - distance
-        load = boundary_force(
+        nx, nz, overlap = dx / distance, dz / distance, reach - distance
+        arm = body[RADIUS, i] - 0.5 * overlap
+        # where they touch, seen from the tool's reference point
+        lx, lz = x + arm * nx - tool[TOOL_X], z + arm * nz - tool[TOOL_Z]
+        fx, fz, turning, moment, spring = boundary_force(
             i,
-            IMPLEMENT,
             overlap,
-            dx / distance,
-            dz / distance,
-            ti.Vector([tool[TOOL_VX], tool[TOOL_VZ]]),
+            nx,
+            nz,
+            tool[TOOL_VX] - tool[TOOL_SPIN] * lz,
+            tool[TOOL_VZ] + tool[TOOL_SPIN] * lx,
             tool[TOOL_SPIN],
-            tool[TOOL_RADIUS] - 0.5 * overlap,
             constants[TOOL_FRICTION],
+            memory[c, SHEAR],
+            memory[c, ROLL],
             constants,
             motion,
             body,
-            memory,
         )
-    else:
-        forget(i, IMPLEMENT, memory)
-    return load
+        about_axle = lz * fx - lx * fz - moment
+    memory[c, SHEAR], memory[c, ROLL] = spring, moment
+    reaction[c, 0], reaction[c, 1], reaction[c, 2] = -fx, -fz, about_axle
+    return ti.Vector([fx, fz, turning])
 
 
 @ti.func
@@ -224,19 +248,23 @@ def move_grain(
     constants: Ref,
     motion: Ref,
     body: Ref,
-    tool: Ref,
     first_contact: Ref,
     contacts: Ref,
     pair_load: Ref,
-    memory: Ref,
     near_wall: Ref,
-    near_slot: Ref,
+    wall_memory: Ref,
+    near_tool: Ref,
+    first_tool_contact: Ref,
+    tool: Ref,
+    parts: Ref,
+    tool_parts: Ref,
+    tool_memory: Ref,
     reaction: Ref,
 ):
     """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
-    load = ti.Vector([0.0, 0.0, 0.0, 0.0])
+    load = ti.Vector([0.0, 0.0, 0.0])
     if near_wall[i] != 0:
-        load = wall_forces(i, constants, motion, body, memory)
+        load = wall_forces(i, constants, motion, body, wall_memory)
     for c in range(first_contact[i], first_contact[i + 1]):
         p = contacts[c] // 2
         if contacts[c] % 2 == 0:
@@ -247,13 +275,10 @@ def move_grain(
             load[0] -= pair_load[p, PAIR_FX]
             load[1] -= pair_load[p, PAIR_FZ]
             load[2] += pair_load[p, PAIR_M2]
-    slot = near_slot[i]
-    if slot >= 0:
-        push = tool_force(i, constants, tool, motion, body, memory)
-        load += push
-        reaction[0, slot] = -push[0]
-        reaction[1, slot] = -push[1]
-        reaction[2, slot] = push[3]
+    near = near_tool[i]
+    if near >= 0:
+        for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
+            load += tool_force(i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction)
     dt, mass, drag = constants[TIME_STEP], body[MASS, i], constants[DRAG]
     motion[VX, i] += dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[VX, i])
     motion[VZ, i] += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[VZ, i])
@@ -264,23 +289,25 @@ def move_grain(
 
 
 @ti.func
-def move_tool(dt, tool: Ref, reaction: Ref, near_count):
+def move_tool(dt, tool: Ref, reaction: Ref, tool_contact_count):
     """Sum what the grains do to the implement, in a fixed order; then one step of its motion.
 
-    It travels and turns as it is told, and rises and sinks under its load.
+    It travels and turns as it is told, and rises and sinks as it is told, or under its load.
     """
     fx, fz, moment = 0.0, 0.0, 0.0
-    for k in range(near_count):
-        fx += reaction[0, k]
-        fz += reaction[1, k]
-        moment += reaction[2, k]
+    for c in range(tool_contact_count):
+        fx += reaction[c, 0]
+        fz += reaction[c, 1]
+        moment += reaction[c, 2]
     tool[TOOL_PX] += dt * fx
     tool[TOOL_PZ] += dt * fz
     tool[TOOL_PM] += dt * moment
-    tool[TOOL_VZ] += dt * (fz - tool[TOOL_LOAD]) / tool[TOOL_MASS]
+    if tool[TOOL_HEAVES] != 0.0:
+        tool[TOOL_VZ] += dt * (fz - tool[TOOL_LOAD]) / tool[TOOL_MASS]
     tool[TOOL_X] += dt * tool[TOOL_VX]
     tool[TOOL_Z] += dt * tool[TOOL_VZ]
     tool[TOOL_ANGLE] += dt * tool[TOOL_SPIN]
+    tool[TOOL_COS], tool[TOOL_SIN] = ti.cos(tool[TOOL_ANGLE]), ti.sin(tool[TOOL_ANGLE])
 
 
 @ti.kernel
@@ -289,7 +316,7 @@ def advance(
     constants: Row,
     grain_count: ti.i32,
     pair_count: ti.i32,
-    near_count: ti.i32,
+    tool_contact_count: ti.i32,
     motion: Table,
     body: Table,
     pairs: IndexTable,
@@ -298,11 +325,15 @@ def advance(
     pair_load: Table,
     first_contact: Index,
     contacts: Index,
-    boundary_memory: Table,
     near_wall: Index,
-    near_slot: Index,
-    reaction: Table,
+    wall_memory: Table,
+    near_tool: Index,
+    first_tool_contact: Index,
     tool: Row,
+    parts: Table,
+    tool_parts: Index,
+    tool_memory: Table,
+    reaction: Table,
 ):
     """So many steps in one launch, unrolled: each loop below is a parallel task of its own."""
     for _ in ti.static(range(steps)):
@@ -314,18 +345,22 @@ def advance(
                 constants,
                 motion,
                 body,
-                tool,
                 first_contact,
                 contacts,
                 pair_load,
-                boundary_memory,
                 near_wall,
-                near_slot,
+                wall_memory,
+                near_tool,
+                first_tool_contact,
+                tool,
+                parts,
+                tool_parts,
+                tool_memory,
                 reaction,
             )
         ti.loop_config(serialize=True)
         for _only in range(1):
-            move_tool(constants[TIME_STEP], tool, reaction, near_count)
+            move_tool(constants[TIME_STEP], tool, reaction, tool_contact_count)
 
 
 @ti.kernel

@@ -58,21 +58,22 @@ def _by_grain(pairs: np.ndarray, grain_count: int) -> tuple[np.ndarray, np.ndarr
     return first_contact, contacts
 
 
-def carry_memory(old: NeighbourList, memory: np.ndarray, new: NeighbourList) -> np.ndarray:
-    """What the pairs of the old list remember, at their places in the new one; a new pair remembers nothing.
+def carry_memory(old_keys: np.ndarray, memory: np.ndarray, new_keys: np.ndarray) -> np.ndarray:
+    """What contacts of an old list remember, at their places in a new one; a new contact remembers nothing.
 
     Parameters
     ----------
-    memory : ndarray, shape (2, P_old)
+    old_keys, new_keys : ndarray of int64, shape (K_old,) and (K_new,)
+        One integer a contact, ascending.
+    memory : ndarray, shape (K_old, n)
 
     Returns
     -------
-    ndarray, shape (2, P_new)
+    ndarray, shape (K_new, n)
     """
-    carried = np.zeros((memory.shape[0], new.pairs.shape[1]))
-    old_keys, new_keys = old.keys, new.keys
+    carried = np.zeros((new_keys.size, memory.shape[1]))
     if old_keys.size and new_keys.size:
         place = np.minimum(np.searchsorted(old_keys, new_keys), old_keys.size - 1)
         known = old_keys[place] == new_keys
-        carried[:, known] = memory[:, place[known]]
+        carried[known] = memory[place[known]]
     return carried

@@ -1,6 +1,6 @@
 """The solver: grains, walls and one implement, advanced step by step."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -8,47 +8,19 @@ import numpy as np
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
 from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours
+from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.scene import GRAVITY
 
 SKIN = 0.3
 """Thickness of the neighbour list's skin / mean grain diameter."""
 _REBUILD_AT = 0.4
 """Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
-
-
 _MOST_UNWATCHED = 16
 """Launches between two looks at how far grains have moved, at most."""
 
 
 class SimulationError(RuntimeError):
     """The simulation cannot go on; the message says which grain, when, and what to change."""
-
-
-@dataclass
-class Tool:
-    """A disc-shaped implement that travels and turns as told, and rises and sinks under a load.
-
-    Per metre of width. World frame; rotation counter-clockwise positive.
-    """
-
-    x: float
-    z: float
-    radius: float
-    mass: float
-    load: float
-    angle: float = 0.0
-    velocity_x: float = 0.0
-    velocity_z: float = 0.0
-    spin: float = 0.0
-
-
-@dataclass(frozen=True)
-class ToolImpulse:
-    """What the grains did to the implement over an interval: integrals over time, per metre of width."""
-
-    x: float
-    z: float
-    moment: float
 
 
 @dataclass
@@ -88,11 +60,14 @@ class Solver:
         state = np.concatenate([grains.position, grains.velocity, [grains.angle], [grains.spin]])
         self._motion = self._array(state)
         self._body = self._array(np.stack([grains.radius, grains.mass, grains.inertia]))
-        self._boundary_memory = self._array(np.zeros((8, grains.count)))
-        self._tool = self._array(self._tool_row())
+        self._wall_memory = self._array(np.zeros((6, grains.count)))
+        self._tool = self._array(_tool_row(self.tool))
+        self._parts = self._array(_part_rows(self.tool))
         self._constants = self._array(self._constants_row())
         self._neighbours: NeighbourList | None = None
+        self._tool_contacts = ToolContacts.none(grains.count)
         self._pair_memory: Any = None
+        self._tool_memory = self._array(np.zeros((1, 2)))
         self._unwatched, self._watch_after = 0, 1
         self._list_neighbours()
 
@@ -115,11 +90,17 @@ class Solver:
                 self._watch()
         self._watch()
 
-    def drive_tool(self, *, velocity_x: float, spin: float, load: float) -> None:
-        """Tell the implement how to travel (m/s), how to turn (rad/s), and its load (N/m)."""
+    def drive_tool(self, *, velocity_x: float, velocity_z: float, spin: float, load: float) -> None:
+        """Tell the implement how to travel (m/s), how to turn (rad/s), and its load (N/m).
+
+        One that rises and sinks under its load is not told `velocity_z`.
+        """
         from synth.dem import kernels as k
 
-        for row, value in ((k.TOOL_VX, velocity_x), (k.TOOL_SPIN, spin), (k.TOOL_LOAD, load)):
+        told = {k.TOOL_VX: velocity_x, k.TOOL_SPIN: spin, k.TOOL_LOAD: load}
+        if self.tool is not None and not self.tool.heaves:
+            told[k.TOOL_VZ] = velocity_z
+        for row, value in told.items():
             self._tool[row] = value
 
     def read_tool(self) -> Tool:
@@ -135,16 +116,15 @@ class Solver:
         if self.tool is None:
             raise ValueError("this solver has no implement")
         row = self._tool.to_numpy()
-        return Tool(
+        return replace(
+            self.tool,
             x=row[k.TOOL_X],
             z=row[k.TOOL_Z],
-            radius=row[k.TOOL_RADIUS],
-            mass=row[k.TOOL_MASS],
-            load=row[k.TOOL_LOAD],
             angle=row[k.TOOL_ANGLE],
             velocity_x=row[k.TOOL_VX],
             velocity_z=row[k.TOOL_VZ],
             spin=row[k.TOOL_SPIN],
+            load=row[k.TOOL_LOAD],
         )
 
     def take_tool_impulse(self) -> ToolImpulse:
@@ -173,12 +153,13 @@ class Solver:
     def _launch(self, steps: int) -> None:
         from synth.dem import kernels as k
 
+        assert self._neighbours is not None
         k.advance(
             steps,
             self._constants,
             self.grains.count,
-            self._pair_count,
-            self._near_count,
+            self._neighbours.pairs.shape[1],
+            self._tool_contacts.parts.size,
             self._motion,
             self._body,
             self._pairs,
@@ -187,11 +168,15 @@ class Solver:
             self._pair_load,
             self._first_contact,
             self._contacts,
-            self._boundary_memory,
             self._near_wall,
-            self._near_slot,
-            self._reaction,
+            self._wall_memory,
+            self._near_tool,
+            self._first_tool_contact,
             self._tool,
+            self._parts,
+            self._tool_parts,
+            self._tool_memory,
+            self._reaction,
         )
 
     def _watch(self) -> None:
@@ -215,10 +200,7 @@ class Solver:
             self._list_neighbours()
 
     def _tool_shift(self) -> float:
-        if self.tool is None:
-            return 0.0
-        tool = self.read_tool()
-        return float(np.hypot(tool.x - self._listed_tool.x, tool.z - self._listed_tool.z))
+        return 0.0 if self._listed_tool is None else self.read_tool().shift_since(self._listed_tool)
 
     def _blow_up(self) -> str:
         moved = self._motion.to_numpy()[0:2] - self._listed.to_numpy()
@@ -231,38 +213,40 @@ class Solver:
 
     def _list_neighbours(self) -> None:
         position = self._motion.to_numpy()[0:2]
-        listed = list_neighbours(position, self.grains.radius, self._skin)
         self._unwatched, self._watch_after = 0, 1
-        memory = np.zeros((2, listed.pairs.shape[1]))
-        if self._neighbours is not None:
-            memory = carry_memory(self._neighbours, self._pair_memory.to_numpy().T, listed)
-        self._neighbours = listed
-        self._pair_count = listed.pairs.shape[1]
-        capacity = max(self._pair_count, 1)
-        self._pairs = self._array(_padded(listed.pairs, capacity))
-        self._pair_body = self._array(_padded(_pair_body(self.grains, listed.pairs), capacity).T)
-        self._pair_memory = self._array(_padded(memory, capacity).T)
-        self._pair_load = self._array(np.zeros((capacity, 4)))
-        self._first_contact = self._array(listed.first_contact)
-        self._contacts = self._array(_padded(listed.contacts, 2 * capacity))
         self._listed = self._array(position)
-        self._list_boundaries(position)
-
-    def _list_boundaries(self, position: np.ndarray) -> None:
-        """Which grains may touch a wall or the implement before neighbours are listed anew."""
-        reach = self.grains.radius + self._skin
-        x, z = position
+        self._list_pairs(position)
+        self._list_tool_contacts(position)
+        reach, (x, z) = self.grains.radius + self._skin, position
         near_wall = (z < reach) | (x < reach) | (x > self.width - reach)
-        near_tool = np.zeros(0, np.int64)
-        if self.tool is not None:
-            self._listed_tool = tool = self.read_tool()
-            near_tool = np.flatnonzero(np.hypot(x - tool.x, z - tool.z) < reach + tool.radius)
-        slot = np.full(self.grains.count, -1, np.int32)
-        slot[near_tool] = np.arange(near_tool.size)
-        self._near_count = near_tool.size
         self._near_wall = self._array(near_wall.astype(np.int32))
-        self._near_slot = self._array(slot)
-        self._reaction = self._array(np.zeros((3, max(near_tool.size, 1))))
+
+    def _list_pairs(self, position: np.ndarray) -> None:
+        old, new = self._neighbours, list_neighbours(position, self.grains.radius, self._skin)
+        memory = np.zeros((new.keys.size, 2))
+        if old is not None:
+            memory = carry_memory(old.keys, self._pair_memory.to_numpy()[: old.keys.size], new.keys)
+        self._neighbours = new
+        self._pairs = self._array(new.pairs)
+        self._pair_body = self._array(_pair_body(self.grains, new.pairs))
+        self._pair_memory = self._array(memory)
+        self._pair_load = self._array(np.zeros((new.keys.size, 4)))
+        self._first_contact = self._array(new.first_contact)
+        self._contacts = self._array(new.contacts)
+
+    def _list_tool_contacts(self, position: np.ndarray) -> None:
+        old, new = self._tool_contacts, ToolContacts.none(self.grains.count)
+        self._listed_tool = None
+        if self.tool is not None:
+            self._listed_tool = self.read_tool()
+            new = list_tool_contacts(self.grains, position, self._listed_tool, self._skin)
+        memory = carry_memory(old.keys, self._tool_memory.to_numpy()[: old.keys.size], new.keys)
+        self._tool_contacts = new
+        self._near_tool = self._array(new.near_tool)
+        self._first_tool_contact = self._array(new.first_contact)
+        self._tool_parts = self._array(new.parts)
+        self._tool_memory = self._array(memory)
+        self._reaction = self._array(np.zeros((new.keys.size, 3)))
 
     def _constants_row(self) -> np.ndarray:
         from synth.dem import kernels as k
@@ -282,31 +266,37 @@ class Solver:
         row[[k.WIDTH, k.DRAG]] = self.width, self.drag
         return row
 
-    def _tool_row(self) -> np.ndarray:
-        from synth.dem import kernels as k
-
-        row = np.zeros(k.TOOL_SIZE)
-        row[k.TOOL_MASS] = 1.0
-        if self.tool is not None:
-            tool = self.tool
-            row[[k.TOOL_X, k.TOOL_Z, k.TOOL_ANGLE]] = tool.x, tool.z, tool.angle
-            row[[k.TOOL_VX, k.TOOL_VZ, k.TOOL_SPIN]] = tool.velocity_x, tool.velocity_z, tool.spin
-            row[[k.TOOL_RADIUS, k.TOOL_MASS, k.TOOL_LOAD]] = tool.radius, tool.mass, tool.load
-        return row
-
     def _array(self, values: np.ndarray) -> Any:
+        """Values on the device, with at least one record: there are no empty arrays there."""
+        if 0 in values.shape:
+            values = np.zeros([max(1, size) for size in values.shape], values.dtype)
         array = self._ti.ndarray(self._ti.i32 if values.dtype == np.int32 else self._ti.f64, values.shape)
         array.from_numpy(np.ascontiguousarray(values))
         return array
 
 
 def _pair_body(grains: Grains, pairs: np.ndarray) -> np.ndarray:
-    """Root of the reduced mass and reduced radius of every pair, shape (2, P)."""
+    """Root of the reduced mass and reduced radius of every pair, shape (P, 2)."""
     (mi, mj), (ri, rj) = grains.mass[pairs], grains.radius[pairs]
-    return np.stack([np.sqrt(mi * mj / (mi + mj)), ri * rj / (ri + rj)])
+    return np.stack([np.sqrt(mi * mj / (mi + mj)), ri * rj / (ri + rj)], axis=1)
 
 
-def _padded(values: np.ndarray, size: int) -> np.ndarray:
-    padded = np.zeros((*values.shape[:-1], size), values.dtype)
-    padded[..., : values.shape[-1]] = values
-    return padded
+def _tool_row(tool: Tool | None) -> np.ndarray:
+    from synth.dem import kernels as k
+
+    row = np.zeros(k.TOOL_SIZE)
+    row[[k.TOOL_COS, k.TOOL_MASS]] = 1.0
+    if tool is not None:
+        row[[k.TOOL_X, k.TOOL_Z, k.TOOL_ANGLE]] = tool.x, tool.z, tool.angle
+        row[[k.TOOL_COS, k.TOOL_SIN]] = np.cos(tool.angle), np.sin(tool.angle)
+        row[[k.TOOL_VX, k.TOOL_VZ, k.TOOL_SPIN]] = tool.velocity_x, tool.velocity_z, tool.spin
+        row[[k.TOOL_MASS, k.TOOL_LOAD, k.TOOL_HEAVES]] = tool.mass, tool.load, tool.heaves
+    return row
+
+
+def _part_rows(tool: Tool | None) -> np.ndarray:
+    """Capsules of the implement in the columns that the kernels read, shape (C, 6)."""
+    if tool is None:
+        return np.zeros((0, 6))
+    shape = tool.shape
+    return np.column_stack([shape.start, shape.end, shape.radius, shape.continues])

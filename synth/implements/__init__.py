@@ -1,6 +1,15 @@
-"""Implements: what moves the soil. One file each; a scene names one by its `kind`."""
+"""Implements: shapes that move the soil. One file each; a scene names one by its `kind`."""
 
+from typing import Annotated
+
+from pydantic import Field
+
+from synth.implements.bucket import Bucket
 from synth.implements.plate import Plate
-from synth.implements.rigid_wheel import RigidWheel
+from synth.implements.rigid_wheel import GrouserWheel, RigidWheel
+from synth.implements.shape import Shape
 
-__all__ = ["Plate", "RigidWheel"]
+Implement = Annotated[RigidWheel | GrouserWheel | Bucket, Field(discriminator="kind")]
+"""What can work in a soil bin."""
+
+__all__ = ["Bucket", "GrouserWheel", "Implement", "Plate", "RigidWheel", "Shape"]

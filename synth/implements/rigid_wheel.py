@@ -1,9 +1,11 @@
-"""A rigid wheel on a carriage: constant slip, free sinkage under a dead load."""
+"""A rigid wheel, smooth or with grousers."""
 
 from typing import Literal
 
+import numpy as np
 from pydantic import Field
 
+from synth.implements.shape import Shape
 from synth.table import Table
 
 
@@ -19,17 +21,32 @@ class RigidWheel(Table):
     width: float = Field(gt=0, le=1, description="m, of the half-width wheel")
     normal_load: float = Field(gt=0, description="N, on the half-width wheel: weight and dead load")
     moving_mass: float = Field(gt=0, description="kg, that rises and sinks with the axle; not its weight")
-    rim_speed: float = Field(gt=0, description="m/s, radius x angular velocity")
-    slip: float = Field(ge=0, lt=1, description="1 - carriage speed / rim speed (paper, Eq. 1)")
-    start: float = Field(gt=0, description="m, axle's distance from the left end wall at touch-down")
-    run_in: float = Field(ge=0, description="m of travel before the first frame")
 
     @property
-    def carriage_speed(self) -> float:
-        """Horizontal speed of the axle, m/s (paper, Eq. 1 solved for it)."""
-        return self.rim_speed * (1 - self.slip)
+    def shape(self) -> Shape:
+        """The rim."""
+        return Shape.disc(self.radius)
+
+
+class GrouserWheel(RigidWheel):
+    """A rigid wheel with straight radial grousers, evenly spaced."""
+
+    kind: Literal["grouser_wheel"]  # type: ignore[assignment]
+    grouser_count: int = Field(ge=1, le=200)
+    grouser_height: float = Field(gt=0, le=0.2, description="m, above the rim")
+    grouser_thickness: float = Field(gt=0, le=0.05, description="m")
 
     @property
-    def angular_velocity(self) -> float:
-        """Rate of turning about y, rad/s, counter-clockwise positive: negative drives towards +x."""
-        return -self.rim_speed / self.radius
+    def shape(self) -> Shape:
+        """Rim and grousers; the grousers' tips are round."""
+        half = self.grouser_thickness / 2
+        angle = 2 * np.pi * np.arange(self.grouser_count) / self.grouser_count
+        outwards = np.stack([np.cos(angle), np.sin(angle)], axis=1)
+        count = self.grouser_count
+        grousers = Shape(
+            outwards * (self.radius - half),
+            outwards * (self.radius + self.grouser_height - half),
+            np.full(count, half),
+            np.zeros(count, bool),
+        )
+        return Shape.disc(self.radius).joined(grousers)

@@ -23,13 +23,8 @@ def tiny_wheel() -> SoilBinScene:
     tables = load_scene("rolling_wheel", quick=True).to_dict()
     tables["name"] = "tiny_wheel"
     tables["bed"] |= {"width": 0.16, "depth": 0.03, "grain_diameter": 3.5e-3}
-    tables["implement"] |= {
-        "radius": 0.03,
-        "normal_load": 4.0,
-        "moving_mass": 0.04,
-        "start": 0.05,
-        "run_in": 0.01,
-    }
+    tables["implement"] |= {"radius": 0.03, "normal_load": 4.0, "moving_mass": 0.04}
+    tables["drive"] |= {"start": 0.05, "run_in": 0.01}
     tables["contact"] |= {"normal_stiffness": 2.0e6}
     tables["timing"] |= {"frame_count": 4}
     tables["camera"] |= {"width": 320, "height": 160, "centre_z": 0.022}

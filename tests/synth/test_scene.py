@@ -33,7 +33,7 @@ def test_every_number_of_a_shipped_file_says_where_it_comes_from(path):
 def test_rolling_wheel_is_the_papers():
     scene = load_scene("rolling_wheel")
     assert scene.implement.radius == 0.114
-    assert scene.implement.carriage_speed == pytest.approx(0.008)
+    assert scene.drive.carriage_speed == pytest.approx(0.008)
     assert (scene.camera.height, scene.camera.width, scene.camera.metres_per_pixel) == (600, 1200, 0.2e-3)
     assert (scene.timing.frame_rate, scene.timing.frame_count) == (8.0, 101)
 
@@ -66,10 +66,12 @@ def test_pictures_do_not_change_the_simulation_hash():
         ("bed", "width", 0.2, r"must stay between the end walls.*bed.width = 0.2"),
         ("bed", "wdith", 1, r"bed.wdith = 1: unknown key"),
         ("bed", "grain_diameter", math.nan, r"bed.grain_diameter = nan: .*finite"),
-        ("implement", "slip", 1.0, r"implement.slip = 1.0: .*less than 1"),
+        ("drive", "slip", 1.0, r"drive.slip = 1.0: .*less than 1"),
         ("sensor", "bits", 12, r"sensor.bits = 12: .*8 or 16"),
         (None, "soil", "mars", r"soil = 'mars': allowed .*grc1"),
         (None, "kind", "bath", r"kind = 'bath': .*soil_bin.*plate_rotation"),
+        ("drive", "kind", "flying", r"drive.kind = 'flying': .*'rolling', 'pushing', 'cutting'"),
+        ("implement", "kind", "sledge", r"implement.kind = 'sledge': .*'rigid_wheel'"),
         (None, "name", "../x", r"name = '../x'"),
     ],
 )
@@ -101,7 +103,7 @@ def test_file_that_is_no_scene(tmp_path, text):
 
 def test_missing_file_and_unknown_name_list_what_is_shipped():
     for name in ("nowhere.toml", "nonsense", "../plate_rotation"):
-        with pytest.raises(SceneError, match="plate_rotation, rolling_wheel"):
+        with pytest.raises(SceneError, match="plate_rotation, .*rolling_wheel"):
             load_scene(name)
 
 
@@ -113,3 +115,21 @@ def test_unknown_key_in_quick_is_refused(tmp_path):
     load_scene(path)
     with pytest.raises(SceneError, match=r"lens\.smear = 1\.0: unknown key"):
         load_scene(path, quick=True)
+
+
+def test_a_scene_may_build_on_a_shipped_one(tmp_path):
+    path = tmp_path / "deep.toml"
+    path.write_text('base = "rolling_wheel"\nname = "deep"\n[bed]\ndepth = 0.25\n')
+    scene, base = load_scene(path).to_dict(), load_scene("rolling_wheel").to_dict()
+    assert (scene.pop("name"), scene["bed"].pop("depth")) == ("deep", 0.25)
+    del base["name"], base["bed"]["depth"]
+    assert scene == base
+
+
+def test_a_table_of_another_kind_replaces_that_of_the_base(tmp_path):
+    assert load_scene("pushed_wheel").drive.kind == "pushing"
+    assert load_scene("pushed_wheel", quick=True).drive.start == 0.22
+    path = tmp_path / "x.toml"
+    path.write_text('base = "mars"\n')
+    with pytest.raises(SceneError, match=r"x\.toml: base = 'mars': allowed are .*rolling_wheel"):
+        load_scene(path)

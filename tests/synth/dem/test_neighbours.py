@@ -29,18 +29,18 @@ def test_each_grain_finds_its_pairs_and_its_side():
 def test_memory_follows_its_pair():
     position, radius = scattered(2)
     old = list_neighbours(position, radius, 0.5e-3)
-    memory = np.stack([old.keys * 1.0, -old.keys * 1.0])
+    memory = np.stack([old.keys * 1.0, -old.keys * 1.0], axis=1)
     moved = position + np.random.default_rng(3).normal(0, 0.3e-3, position.shape)
     new = list_neighbours(moved, radius, 0.5e-3)
-    carried = carry_memory(old, memory, new)
+    carried = carry_memory(old.keys, memory, new.keys)
     known = np.isin(new.keys, old.keys)
     assert 0.3 < known.mean() < 1
-    np.testing.assert_array_equal(carried[0], np.where(known, new.keys, 0))
-    np.testing.assert_array_equal(carried[1], -carried[0])
+    np.testing.assert_array_equal(carried[:, 0], np.where(known, new.keys, 0))
+    np.testing.assert_array_equal(carried[:, 1], -carried[:, 0])
 
 
 def test_no_pair_at_all():
     position = np.array([[0.0, 1.0], [0.0, 0.0]])
     listed = list_neighbours(position, np.full(2, 1e-3), 1e-4)
     assert listed.pairs.shape == (2, 0)
-    assert carry_memory(listed, np.zeros((2, 0)), listed).shape == (2, 0)
+    assert carry_memory(listed.keys, np.zeros((0, 2)), listed.keys).shape == (0, 2)

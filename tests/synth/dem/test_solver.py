@@ -7,11 +7,13 @@ import pytest
 
 from synth.dem.contact_law import ContactLaw, damping_ratio_of, largest_time_step
 from synth.dem.grains import Grains
+from synth.dem.tool import Tool
 from synth.devices import start_taichi
+from synth.implements import Shape
 
 start_taichi()
 
-from synth.dem.solver import SimulationError, Solver, Tool  # noqa: E402 - taichi must be started first
+from synth.dem.solver import SimulationError, Solver  # noqa: E402 - taichi must be started first
 
 RADIUS, DENSITY, STIFFNESS = 1e-3, 2000.0, 1e6
 GRAVITY = 9.81
@@ -136,7 +138,7 @@ def test_momentum_given_to_the_implement_is_what_the_grains_lost():
     x, z = np.meshgrid(np.arange(8) * 2.3e-3 + 0.49, np.arange(4) * 2.3e-3 + 0.541)
     grains = Grains.at_rest(np.stack([x.ravel(), z.ravel()]), RADIUS * rng.uniform(0.8, 1.2, x.size), DENSITY)
     grains = replace(grains, velocity=np.tile([[0.1], [-0.3]], x.size))
-    tool = Tool(x=0.5, z=0.5, radius=0.04, mass=3.0, load=0.0, velocity_x=0.05, spin=-2.0)
+    tool = Tool(Shape.disc(0.04), x=0.5, z=0.5, mass=3.0, velocity_x=0.05, spin=-2.0, heaves=True)
     rough = law(friction=0.4, implement_friction=0.4, rolling_friction=0.1)
     solver = solver_of(grains, rough, tool=tool, steps_per_contact=50)
     before = (grains.mass * grains.velocity).sum(axis=1)
@@ -151,7 +153,7 @@ def test_momentum_given_to_the_implement_is_what_the_grains_lost():
 
 def test_wheel_turning_clockwise_throws_a_grain_backwards():
     grains = grains_at((0.5, 0.46 - 0.99 * RADIUS))
-    tool = Tool(x=0.5, z=0.5, radius=0.04, mass=1e9, load=0.0, spin=-5.0)
+    tool = Tool(Shape.disc(0.04), x=0.5, z=0.5, spin=-5.0)
     solver = solver_of(grains, law(implement_friction=0.5), tool=tool)
     advance_for(solver, 2e-4)
     assert solver.read_grains().velocity[0, 0] < 0
@@ -173,3 +175,48 @@ def test_too_large_a_step_stops_with_a_line_that_says_what_to_change():
     solver = Solver(grains, law(), 1.0, 1e-3)
     with pytest.raises(SimulationError, match=r"grain \d moved .*steps_per_contact"):
         solver.advance(100)
+
+
+BLADE = Shape.chain([(-0.02, 0.0), (0.0, 0.0), (0.02, 0.0)], 2e-3)
+
+
+@pytest.mark.parametrize("x", [0.49, 0.5, 0.5005, 0.51], ids=["side", "joint", "by the joint", "other side"])
+def test_a_chain_rebounds_a_grain_once_wherever_it_hits(x):
+    grains = grains_at((x, 0.5 + 3.05e-3), velocity=[(0, -0.2)])
+    solver = solver_of(grains, law(), tool=Tool(BLADE, x=0.5, z=0.5))
+    advance_for(solver, 3e-3)
+    assert solver.read_grains().velocity[1, 0] == pytest.approx(0.6 * 0.2, rel=5e-3)
+    impulse = solver.take_tool_impulse()
+    weight = DENSITY * np.pi * RADIUS**2
+    assert impulse.z == pytest.approx(-weight * 0.2 * 1.6, rel=5e-3)
+    assert impulse.moment == pytest.approx((x - 0.5) * impulse.z, abs=1e-9)
+
+
+def test_a_turning_blade_carries_a_grain_at_its_own_speed():
+    """A paddle turning counter-clockwise hits a resting grain at its tip, without friction or damping."""
+    grains = grains_at((0.515, 0.5 + 3.2e-3))
+    paddle = Tool(BLADE, x=0.5, z=0.5, spin=4.0)
+    solver = solver_of(grains, law(damping_ratio=damping_ratio_of(1.0)), tool=paddle)
+    advance_for(solver, 0.01)
+    # An elastic hit by a massive surface moving at spin x arm sends it off at twice that speed.
+    assert np.hypot(*solver.read_grains().velocity)[0] == pytest.approx(2 * 4.0 * 0.015, rel=0.02)
+
+
+def test_moment_about_the_axle_is_that_of_the_forces_where_they_touch():
+    grains = grains_at((0.46 - 0.9 * RADIUS, 0.5), velocity=[(0.3, -0.1)])
+    tool = Tool(Shape.disc(0.04), x=0.5, z=0.5)
+    solver = solver_of(grains, law(implement_friction=0.3), tool=tool)
+    before = grains.mass[0] * grains.velocity[:, 0]
+    advance_for(solver, 1e-3)
+    after, impulse = solver.read_grains(), solver.take_tool_impulse()
+    lost = before - after.mass[0] * after.velocity[:, 0]
+    np.testing.assert_allclose([impulse.x, impulse.z], lost, rtol=1e-9)
+    assert impulse.moment == pytest.approx(-0.04 * lost[1], rel=0.02)  # lost upwards, 0.04 m to the left
+    spun = after.inertia[0] * after.spin[0]
+    # Angular momentum about the axle is kept by grain and wheel together.
+    position = after.position[:, 0] - (0.5, 0.5)
+    orbital = position[0] * after.velocity[1, 0] - position[1] * after.velocity[0, 0]
+    start = grains.position[:, 0] - (0.5, 0.5)
+    first = start[0] * grains.velocity[1, 0] - start[1] * grains.velocity[0, 0]
+    total = after.mass[0] * (orbital - first) + spun + impulse.moment
+    assert abs(total) < 1e-3 * abs(impulse.moment)

@@ -1,4 +1,4 @@
-"""A wheel driven through the bed: what is told to it, and what is recorded."""
+"""An implement driven through the bed: what is told to it, and what is recorded."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -8,74 +8,61 @@ import numpy as np
 from synth.dem.bed import Bed, contact_law
 from synth.dem.contact_law import largest_time_step
 from synth.dem.grains import Grains
-from synth.dem.solver import Solver, Tool
+from synth.dem.solver import Solver
+from synth.dem.tool import Tool
 from synth.implements import RigidWheel
 from synth.recording import Recording
 from synth.scene import SoilBinScene
 
-_RAMP_SHARE = 0.2
-"""Share of the run-in over which load and speed grow from nothing: a soft touch-down."""
-
 
 @dataclass(frozen=True)
 class Schedule:
-    """When what happens, in simulated time, which runs `speed_up` times as fast as the laboratory's.
+    """How time is cut; simulated time runs `speed_up` times as fast as the laboratory's.
 
     Attributes
     ----------
-    ramp : float
-        Time over which load and speed grow from nothing, s.
     interval : float
-        Time between two records of force, s.
+        Laboratory time between two records of force, s.
     steps : int
         Time steps an interval.
+    time_step : float
+        Simulated, s.
     run_in : int
         Intervals before the first frame.
     recorded : int
         Intervals from the first to the last frame.
     """
 
-    ramp: float
     interval: float
     steps: int
+    time_step: float
     run_in: int
     recorded: int
 
     @classmethod
     def of(cls, scene: SoilBinScene, largest_step: float) -> "Schedule":
         """The scene's schedule, with whole steps between records."""
-        wheel, timing = scene.implement, scene.timing
-        speed = wheel.carriage_speed * timing.speed_up
-        ramp = 2 * _RAMP_SHARE * wheel.run_in / speed
-        interval = 1 / (timing.frame_rate * timing.samples_per_frame * timing.speed_up)
-        run_in = (wheel.run_in / speed + ramp / 2) / interval
+        timing = scene.timing
+        interval = 1 / (timing.frame_rate * timing.samples_per_frame)
+        simulated = interval / timing.speed_up
+        steps = int(np.ceil(simulated / largest_step))
         return cls(
-            ramp=ramp,
             interval=interval,
-            steps=int(np.ceil(interval / largest_step)),
-            run_in=int(np.ceil(run_in - 1e-9)),
+            steps=steps,
+            time_step=simulated / steps,
+            run_in=int(np.ceil(-scene.program.time[0] / interval - 1e-9)),
             recorded=(timing.frame_count - 1) * timing.samples_per_frame,
         )
 
-    @property
-    def time_step(self) -> float:
-        """Time step of the integration, s."""
-        return self.interval / self.steps
 
-    def strength(self, interval: int) -> float:
-        """Share of full load and speed in the middle of an interval."""
-        return min(1.0, (interval + 0.5) * self.interval / self.ramp) if self.ramp > 0 else 1.0
-
-
-def run_wheel(
+def run_implement(
     scene: SoilBinScene, bed: Bed, *, progress: Callable[[int, int], None] | None = None
 ) -> Recording:
-    """Drive the scene's wheel through the bed.
+    """Drive the scene's implement through the bed.
 
-    The wheel touches down on the levelled bed; load and speed grow softly over the first part of the run-in,
-    at the scene's slip throughout. The carriage prescribes travel and rotation; the axle rises and sinks
-    freely under the dead load, which is a force and not a mass, so that driving faster than the laboratory
-    adds no inertia.
+    It touches down on the levelled bed; the drive's program prescribes travel and rotation. A wheel's axle
+    rises and sinks freely under the dead load, which is a force and not a mass, so that driving faster than
+    the laboratory adds no inertia.
     """
     law = contact_law(scene)
     largest = largest_time_step(bed.grains.mass, law.normal_stiffness, scene.contact.steps_per_contact)
@@ -88,7 +75,7 @@ def run_wheel(
         log.frame(solver)
     total = schedule.run_in + schedule.recorded
     for interval in range(total):
-        _drive(solver, scene, schedule.strength(interval))
+        _drive(solver, scene, (interval - schedule.run_in + 0.5) * schedule.interval)
         solver.advance(schedule.steps)
         log.sample(interval, solver)
         since_first = interval + 1 - schedule.run_in
@@ -108,29 +95,46 @@ def surface_height(grains: Grains, grain_diameter: float) -> float:
 
 
 def _touching_down(scene: SoilBinScene, grains: Grains) -> Tool:
-    """The wheel just above the grains: as low as it can be without touching one."""
-    wheel = scene.implement
-    x, z = grains.position
-    below = np.abs(x - wheel.start) < wheel.radius
-    reach = wheel.radius + grains.radius[below]
-    axle_z = np.max(z[below] + np.sqrt(np.maximum(reach**2 - (x[below] - wheel.start) ** 2, 0)))
-    return Tool(
-        x=wheel.start,
-        z=float(axle_z),
-        radius=wheel.radius,
-        mass=wheel.moving_mass / wheel.width,
-        load=0.0,
-    )
+    """The implement just above the grains: as low as it can be without touching one."""
+    implement, start = scene.implement, scene.drive.start
+    shape = implement.shape
+    below = np.abs(grains.position[0] - start) < shape.reach + grains.radius
+    position, radius = grains.position[:, below].T, grains.radius[below]
+
+    def clear(z: float) -> bool:
+        return bool((shape.distance_to_capsules(position - (start, z)) > radius[:, None]).all())
+
+    low, high = 0.0, scene.bed.depth + shape.reach + scene.bed.grain_diameter
+    while high - low > 1e-3 * scene.bed.grain_diameter:
+        middle = (low + high) / 2
+        low, high = (low, middle) if clear(middle) else (middle, high)
+    mass = implement.moving_mass / implement.width if isinstance(implement, RigidWheel) else 1.0
+    return Tool(shape=shape, x=start, z=high, mass=mass, heaves=scene.program.heaves)
 
 
-def _drive(solver: Solver, scene: SoilBinScene, strength: float) -> None:
-    wheel: RigidWheel = scene.implement
-    speed = strength * scene.timing.speed_up
+def _drive(solver: Solver, scene: SoilBinScene, time: float) -> None:
+    """Tell the implement what the program wants at a time of the laboratory."""
+    implement, fast = scene.implement, scene.timing.speed_up
+    velocity_x, velocity_z, spin, load = scene.program.at(time)
+    full_load = implement.normal_load / implement.width if isinstance(implement, RigidWheel) else 0.0
     solver.drive_tool(
-        velocity_x=speed * wheel.carriage_speed,
-        spin=speed * wheel.angular_velocity,
-        load=strength * wheel.normal_load / wheel.width,
+        velocity_x=fast * velocity_x, velocity_z=fast * velocity_z, spin=fast * spin, load=load * full_load
     )
+
+
+def slip_of(velocity: float, rim_speed: float) -> float:
+    """Driving slip 1 - v / (r omega) for r omega >= v, else skid r omega / v - 1 (-1: locked); at rest 0.
+
+    Parameters
+    ----------
+    velocity, rim_speed : float
+        Of axle and rim, in the same unit, positive where they lead towards the same side.
+    """
+    if velocity < 0 or (velocity == 0 and rim_speed < 0):
+        velocity, rim_speed = -velocity, -rim_speed
+    if rim_speed >= velocity:
+        return 1 - velocity / rim_speed if rim_speed > 0 else 0.0
+    return rim_speed / velocity - 1
 
 
 class _Log:
@@ -145,18 +149,19 @@ class _Log:
 
     def sample(self, interval: int, solver: Solver) -> None:
         """Record forces, averaged over the interval that has just ended."""
-        schedule, wheel = self._schedule, self._scene.implement
+        schedule, implement = self._schedule, self._scene.implement
         impulse, tool = solver.take_tool_impulse(), solver.read_tool()
-        lab_interval = schedule.interval * self._scene.timing.speed_up
+        radius = implement.radius if isinstance(implement, RigidWheel) else 0.0
+        share = implement.width / (schedule.steps * schedule.time_step)
         self._samples.append(
             (
-                (interval + 1 - schedule.run_in) * lab_interval,
+                (interval + 1 - schedule.run_in) * schedule.interval,
                 tool.x - self._start_x,
-                wheel.slip,
-                self._surface - (tool.z - tool.radius),
-                impulse.x / schedule.interval * wheel.width,
-                impulse.z / schedule.interval * wheel.width,
-                impulse.moment / schedule.interval * wheel.width,
+                slip_of(tool.velocity_x, -tool.spin * radius),
+                self._surface - tool.lowest,
+                impulse.x * share,
+                impulse.z * share,
+                impulse.moment * share,
             )
         )
 

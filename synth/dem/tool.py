@@ -1,0 +1,113 @@
+"""The implement among the grains: its pose and motion, and which grains may touch which of its parts."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from synth.dem.grains import Grains
+from synth.implements import Shape
+
+
+@dataclass(frozen=True, eq=False)
+class Tool:
+    """An implement that travels and turns as told, and rises and sinks as told or under a load.
+
+    Per metre of width. World frame; rotation counter-clockwise positive.
+
+    Attributes
+    ----------
+    shape : Shape
+    x, z, angle : float
+        Pose of the reference point, m and rad.
+    velocity_x, velocity_z, spin : float
+        m/s and rad/s.
+    mass : float
+        That rises and sinks, kg/m.
+    load : float
+        Presses it down, N/m.
+    heaves : bool
+        It rises and sinks under its load, else at `velocity_z`.
+    """
+
+    shape: Shape
+    x: float
+    z: float
+    angle: float = 0.0
+    velocity_x: float = 0.0
+    velocity_z: float = 0.0
+    spin: float = 0.0
+    mass: float = 1.0
+    load: float = 0.0
+    heaves: bool = False
+
+    @property
+    def lowest(self) -> float:
+        """Height of its lowest point, m."""
+        return self.z + self.shape.turned(self.angle).lowest
+
+    def shift_since(self, other: "Tool") -> float:
+        """Bound of how far any point of its surface has moved since another pose, m."""
+        arm = np.hypot(*np.concatenate([self.shape.start, self.shape.end]).T).max()
+        travel = np.hypot(self.x - other.x, self.z - other.z)
+        return float(travel + arm * abs(self.angle - other.angle))
+
+
+@dataclass(frozen=True)
+class ToolImpulse:
+    """What the grains did to the implement over an interval: integrals over time, per metre of width."""
+
+    x: float
+    z: float
+    moment: float
+
+
+@dataclass(frozen=True)
+class ToolContacts:
+    """Grains that may touch parts of the implement until something has moved by half a skin.
+
+    Attributes
+    ----------
+    near_tool : ndarray of int32, shape (N,)
+        Place of a grain among those near the implement; -1: not near.
+    first_contact : ndarray of int32, shape (near + 1,)
+        Where a near grain's contacts begin.
+    parts : ndarray of int32, shape (K,)
+        The part of each contact, by grain and then by part.
+    keys : ndarray of int64, shape (K,)
+        One ascending integer a contact, the same for the same grain and part in every list.
+    """
+
+    near_tool: np.ndarray
+    first_contact: np.ndarray
+    parts: np.ndarray
+    keys: np.ndarray
+
+    @classmethod
+    def none(cls, grain_count: int) -> "ToolContacts":
+        """No implement."""
+        nothing = np.zeros(0, np.int32)
+        return cls(
+            np.full(grain_count, -1, np.int32), np.zeros(1, np.int32), nothing, nothing.astype(np.int64)
+        )
+
+
+def list_tool_contacts(grains: Grains, position: np.ndarray, tool: Tool, skin: float) -> ToolContacts:
+    """List the grains whose surfaces are nearer than `skin` (m) to parts of the implement.
+
+    Parameters
+    ----------
+    position : ndarray, shape (2, N)
+        Where the grains are now, m.
+    """
+    offset = position.T - (tool.x, tool.z)
+    around = np.flatnonzero(np.hypot(*offset.T) < tool.shape.reach + grains.radius + skin)
+    turned = tool.shape.turned(tool.angle)
+    gap = turned.distance_to_capsules(offset[around]) - grains.radius[around, None]
+    place, part = np.nonzero(gap < skin)
+    grain = around[place]
+    near, count = np.unique(grain, return_counts=True)
+    near_tool = np.full(grains.count, -1, np.int32)
+    near_tool[near] = np.arange(near.size)
+    first = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
+    keys = grain.astype(np.int64) * tool.shape.radius.size + part
+    return ToolContacts(near_tool, first, part.astype(np.int32), keys)
