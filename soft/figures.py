@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from soft.sequence import ImageSequence
-from soft.velocity import to_polar
+from soft.velocity import to_polar, to_velocity
 
 if TYPE_CHECKING:
     import xarray
@@ -161,13 +161,14 @@ def _view(flow: "xarray.Dataset", picture: np.ndarray, pair: int, what: str) -> 
     part = {"pair": pair, "y": slice(stride // 2, None, stride), "x": slice(stride // 2, None, stride)}
     arrays = flow[["inertial_u", "inertial_v", "valid", "soil", "moving"]].isel(part)
     scale, unit = _speed_unit(flow)
+    displacement = np.stack([arrays["inertial_u"].to_numpy(), arrays["inertial_v"].to_numpy()], axis=-1)
+    x, z = to_velocity(displacement, metres_per_pixel=scale, time_step=1.0)
     extent, length_unit = _extent(picture.shape, flow.attrs.get("metres_per_pixel"))
     first, second = int(flow["first_frame"][pair]), int(flow["second_frame"][pair])
     return _View(
         picture=_reduced(picture, stride),
-        u=arrays["inertial_u"].to_numpy() * scale,
-        # Up positive from here on: directions are read from the picture.
-        z=arrays["inertial_v"].to_numpy() * -scale,
+        u=x,
+        z=z,
         shown=(arrays["valid"] & arrays["soil"]).to_numpy(),
         moving=arrays["moving"].to_numpy(),
         unit=unit,

@@ -36,7 +36,7 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
     Raises
     ------
     ValueError
-        Unknown device.
+        Unknown device, or one that is not here.
     """
     if device not in DEVICES:
         raise ValueError(f"device = {device!r}: allowed are {', '.join(DEVICES)}")
@@ -46,6 +46,7 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
         if not _started(ti):
             kernels = cache_folder() / "kernels"
             kernels.mkdir(parents=True, exist_ok=True)
+            _require_device(ti, device)
             ti.init(
                 arch=ti.cuda if device == "cuda" else ti.cpu,
                 cpu_max_num_threads=threads or os.cpu_count() or 1,
@@ -57,6 +58,11 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
                 enable_fallback=False,
             )
     return ti
+
+
+def _require_device(ti: Any, device: str) -> None:
+    if device == "cuda" and not ti.lang.misc.is_arch_supported(ti.cuda):
+        raise ValueError("device = 'cuda': no CUDA device is found here")
 
 
 def _started(ti: Any) -> bool:

@@ -42,7 +42,11 @@ VARIABLES = {
     "velocity_z": (("frame", "particle"), "m s-1", "upward velocity of the particle, in laboratory time"),
     "sample_time": (("sample",), "s", "end of the interval a force is averaged over; 0 at the first frame"),
     "travel": (("sample",), "m", "carriage travel since touch-down"),
-    "slip": (("sample",), "1", "1 - carriage speed / rim speed; for r omega < v: r omega / v - 1"),
+    "slip": (
+        ("sample",),
+        "1",
+        "of a wheel: 1 - carriage speed / rim speed; for r omega < v: r omega / v - 1",
+    ),
     "sinkage": (("sample",), "m", "depth of the implement's lowest point below the levelled surface"),
     "force_x": (
         ("sample",),
@@ -78,7 +82,11 @@ class Recording:
     ----------
     data : xarray.Dataset
         The variables of `VARIABLES`, over `frame`, `particle` and `sample`. Attributes: `schema_version`,
-        `simulation_hash`, `surface_height` (m) and what the simulator reports of its own soundness.
+        `simulation_hash`, `surface_height` (m), `solid_fraction`, and what the simulator reports of its own
+        soundness (`synth.dem.soundness`): `inertial_number_median`, `inertial_number_p95`, `mean_pressure`
+        (Pa, under the implement), `stiffness_ratio` (contact stiffness / mean pressure), `overlap_mean`,
+        `overlap_p99`, `overlap_max` (/ mean grain diameter), `steps_per_contact`. One that had to stop has
+        `stopped`, the reason, instead.
     """
 
     data: "xr.Dataset"

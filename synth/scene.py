@@ -17,7 +17,7 @@ from synth.table import Table, kinds_of
 
 SCHEMA_VERSION = 1
 GRAVITY = 9.81
-"""Acceleration of gravity, m/s2."""
+"""Acceleration of gravity on Earth, m/s2, where a scene does not say otherwise."""
 
 _PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor"}
 _LABELS = {"name", "description", "quick"}
@@ -39,6 +39,7 @@ class Bed(Table):
     settling_friction: float = Field(
         ge=0, le=2, description="grain friction while settling; sets the density"
     )
+    gravity: float = Field(default=GRAVITY, gt=0, le=100, description="m/s2, downwards")
 
 
 class Contact(Table):
@@ -166,10 +167,14 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
     overrides = tables.pop("quick", None)
     if isinstance(overrides, bool):  # a resolved scene, which says what it was made with
         tables["quick"] = overrides
-    elif quick:
-        if overrides is None:
-            raise SceneError(f"{path}: quick: this scene has no [quick] table")
-        tables = {**_merged(tables, overrides, path, "quick"), "quick": True}
+    elif overrides is not None:
+        smaller = {**_merged(tables, overrides, path, "quick"), "quick": True}
+        parse_scene(
+            smaller, source=f"{path}: with [quick]"
+        )  # faults in there are told at once, asked for or not
+        tables = smaller if quick else tables
+    if quick and not tables.get("quick"):
+        raise SceneError(f"{path}: quick: this scene has no [quick] table")
     if seed is not None:
         tables["seed"] = seed
     return parse_scene(tables, source=str(path))

@@ -1,12 +1,18 @@
 """Scene -> Recording: the one way in, whatever the scene."""
 
 from collections.abc import Callable
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from synth.devices import start_taichi
 from synth.recording import Recording
 from synth.scene import PlateScene, Scene, SoilBinScene
+
+if TYPE_CHECKING:
+    from synth.dem.bed import Bed
+    from synth.dem.checkpoint import Checkpoint
 
 Progress = Callable[[int, int], None]
 
@@ -16,7 +22,13 @@ _PARTS = 1000
 
 
 def simulate(
-    scene: Scene, *, device: str = "cpu", threads: int | None = None, progress: Progress | None = None
+    scene: Scene,
+    *,
+    device: str = "cpu",
+    threads: int | None = None,
+    progress: Progress | None = None,
+    checkpoint: Path | None = None,
+    say: Callable[[str], None] | None = None,
 ) -> Recording:
     """Run a scene's experiment.
 
@@ -28,24 +40,51 @@ def simulate(
         Default: every core. The recording does not depend on it.
     progress : callable, optional
         Called with (parts done, parts in all).
+    checkpoint : Path, optional
+        Folder to write all of the run's state to every half minute, and to go on from where it is there: of
+        the same scene, program version and device. The recording does not depend on it. It is the caller's to
+        remove (`synth.dem.checkpoint.remove_checkpoint`) once the recording is safe. A bed that was
+        interrupted while it settled is settled anew; a settled one is in the cache.
+    say : callable, optional
+        Told in one line what was done with a checkpoint that was there.
 
     Raises
     ------
-    synth.dem.solver.SimulationError
-        The simulation cannot go on.
+    synth.dem.failures.SimulationError
+        The simulation cannot go on; its `recording` is what was recorded until then, None while the bed
+        settled.
     """
     if isinstance(scene, PlateScene):
         return _turn_plate(scene)
-    return _work_soil(scene, device, threads, progress)
-
-
-def _work_soil(scene: SoilBinScene, device: str, threads: int | None, progress: Progress | None) -> Recording:
     start_taichi(device, threads)
-    from synth.dem.bed import settled_bed
+    bed = _settled(scene, _share(progress, 0.0, _BED_SHARE))
+    place = None if checkpoint is None else _checkpoint(checkpoint, scene, bed, device, say)
     from synth.dem.run import run_implement
 
-    bed = settled_bed(scene, progress=_share(progress, 0.0, _BED_SHARE))
-    return run_implement(scene, bed, progress=_share(progress, _BED_SHARE, 1.0))
+    return run_implement(scene, bed, checkpoint=place, progress=_share(progress, _BED_SHARE, 1.0))
+
+
+def _settled(scene: SoilBinScene, progress: Progress | None) -> "Bed":
+    from synth.dem.bed import settled_bed
+    from synth.dem.failures import SimulationError
+
+    try:
+        return settled_bed(scene, progress=progress)
+    except SimulationError as error:
+        raise error.at("stopped while the bed settled") from None
+
+
+def _checkpoint(
+    folder: Path, scene: SoilBinScene, bed: "Bed", device: str, say: Callable[[str], None] | None
+) -> "Checkpoint":
+    from synth.dem.checkpoint import Checkpoint, digest_of
+
+    made_from = {
+        "scene": scene.simulation_hash,
+        "bed": digest_of(bed.grains.position, bed.grains.radius),
+        "device": device,
+    }
+    return Checkpoint(folder, made_from, say=say)
 
 
 def _turn_plate(scene: PlateScene) -> Recording:

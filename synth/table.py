@@ -6,9 +6,9 @@ from pydantic import BaseModel, ConfigDict
 
 
 class Table(BaseModel):
-    """A table of a scene file: unknown keys, infinities and NaN are refused, and nothing changes later."""
+    """A table of a scene file: unknown keys, infinities, NaN and values of another type are refused."""
 
-    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False)
+    model_config = ConfigDict(extra="forbid", frozen=True, allow_inf_nan=False, strict=True)
 
 
 def kinds_of(tables: Any) -> list[str]:

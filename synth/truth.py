@@ -185,8 +185,8 @@ def pair_truth(
     arrays = _motion_arrays(grains, covered, following, next_face, surroundings)
     arrays["mixed"] = _mixed(grains, covered, following, next_face)
     arrays.update(_discontinuities(arrays))
-    for name in ("strain_rate", "rotation"):
-        arrays[name] /= second - first
+    arrays["strain_rate"] /= abs(second - first)
+    arrays["rotation"] /= second - first
     return PairTruth(first, second, arrays, _camera_motion(view, next_view))
 
 
@@ -396,6 +396,7 @@ def file_attributes(scene: "Scene") -> dict[str, Any]:
         "scene": scene.name,
         "scene_hash": scene.hash,
         "seed": scene.seed,
+        "quick": int(scene.quick),
         "frame_rate": scene.timing.frame_rate,
         "metres_per_pixel": scene.camera.metres_per_pixel,
         "frame": "x right, y down, integer at pixel centres; displacements forward, on the first frame",

@@ -10,12 +10,12 @@ from validation.methods import DEFAULT, Method
 from validation.run_folder import RunFolder
 from validation.score import MethodScore, ScoreError, Scores, score_flows
 from validation.terminal import Terminal
-from validation.versions import package_version
+from validation.versions import package_version, package_versions
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from synth import Scene
+    from synth import Recording, Scene
 
 _NEVER_SKIPPED = "a function of your own, whose code may have changed"
 
@@ -36,20 +36,73 @@ class Work:
     threads: int | None = None
 
 
-def simulate(run: RunFolder, scene: "Scene", *, work: Work, terminal: Terminal) -> None:
-    """Write `scene.toml`, `recording.nc` and `forces.csv`."""
-    import synth
+def simulate(run: RunFolder, scene: "Scene", *, work: Work, terminal: Terminal, resume: bool = True) -> None:
+    """Write `scene.toml`, `recording.nc` and `forces.csv`; say how sound the simulation is.
+
+    Parameters
+    ----------
+    resume : bool
+        Go on from the checkpoint of a run that was killed, if there is one; else start anew.
+
+    Raises
+    ------
+    synth.dem.failures.SimulationError
+        It had to stop; what was recorded until then is in `recording-stopped.nc`.
+    """
+    from synth.dem.checkpoint import remove_checkpoint
+    from synth.dem.soundness import attributes_of
 
     _adopt(run, scene)
     key = _simulate_key(scene)
-    if _skips(run, "simulate", key, terminal):
+    done = _skips(run, "simulate", key, terminal)
+    if done or not resume:
+        remove_checkpoint(run.checkpoint)
+    if done:
         return
     with run.writing("simulate", key) as draft:
-        with terminal.progress("simulate") as progress:
-            recording = synth.simulate(scene, device=work.device, threads=work.threads, progress=progress)
+        recording = _simulated(run, scene, work, terminal)
         recording.write(draft.folder / run.recording.name)
         recording.write_forces(draft.folder / run.forces.name)
         draft.facts["digest"] = recording.digest
+        draft.facts["soundness"] = soundness = attributes_of(recording.data.attrs)
+    _tell_soundness(soundness, terminal)
+    run.stopped_recording.unlink(missing_ok=True)
+    remove_checkpoint(run.checkpoint)
+
+
+def _simulated(run: RunFolder, scene: "Scene", work: Work, terminal: Terminal) -> "Recording":
+    import synth
+    from synth.dem.checkpoint import remove_checkpoint
+    from synth.dem.failures import SimulationError
+
+    try:
+        with terminal.progress("simulate") as progress:
+            return synth.simulate(
+                scene,
+                device=work.device,
+                threads=work.threads,
+                progress=progress,
+                checkpoint=run.checkpoint,
+                say=terminal.say,
+            )
+    except SimulationError as error:
+        remove_checkpoint(run.checkpoint)  # going on from it would only stop there again
+        if error.recording is None:
+            raise
+        run.put_aside(run.stopped_recording, error.recording.write)
+        raise error.saying(f"what was recorded until then is in {run.stopped_recording}") from None
+
+
+def _tell_soundness(soundness: dict[str, float], terminal: Terminal) -> None:
+    """Say how sound a simulation is, and a warning for each limit that is not kept."""
+    from synth.dem.soundness import judge
+
+    judgements = judge(soundness)
+    for one in judgements:
+        terminal.say(f"  {one.name}: {one.value}" + (f" ({one.limit})" if one.limit else ""))
+    for one in judgements:
+        if not one.kept:
+            terminal.say(f"warning: {one.name} is {one.value}, sound is {one.limit}: {one.advice}")
 
 
 def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
@@ -72,6 +125,30 @@ def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
     with run.writing("render", key) as draft, terminal.progress("render") as progress:
         folder = draft.folder / run.footage.name
         synth.render(recording, scene, folder, device=work.device, threads=work.threads, progress=progress)
+
+
+def export(run: RunFolder, *, terminal: Terminal) -> None:
+    """Write `vtk/` from the recording and the scene of a run.
+
+    Raises
+    ------
+    RunFolderError
+        There is no recording of this scene.
+    """
+    import synth
+    from synth.dataset.export import export_vtk
+
+    scene = run_scene(run)
+    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    digest = run.manifest.steps["simulate"].facts["digest"]
+    key = key_of(step="export vtk", made_by=_made_by(), recording=digest, scene=scene.simulation_hash)
+    if _skips(run, "export vtk", key, terminal):
+        return
+    recording = synth.Recording.read(run.recording)
+    with run.writing("export vtk", key) as draft, terminal.progress("export") as progress:
+        folder = draft.folder / run.vtk.name
+        folder.mkdir()
+        export_vtk(recording, scene, folder, progress=progress)
 
 
 def footage_of(run: RunFolder) -> Material:
@@ -112,13 +189,14 @@ def analyze(
     method: Method,
     *,
     soil: str = "bright",
+    vertical: bool = False,
     work: Work,
     terminal: Terminal,
 ) -> None:
     """Write `analysis/<method>.nc`."""
     import soft
 
-    key = _analyze_key(material, method, soil)
+    key = _analyze_key(material, method, soil, vertical)
     step = _analyze_step(method)
     if _skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
         return
@@ -129,12 +207,18 @@ def analyze(
             material.sequence,
             method=method.name,
             soil=soil,
+            vertical=vertical,
             threads=work.threads,
             device=work.device,
             progress=progress,
             path=path,
         ).close()
-        draft.facts |= {"method": method.name, "pictures": material.digest, "soil": soil}
+        draft.facts |= {
+            "method": method.name,
+            "pictures": material.digest,
+            "soil": soil,
+            "vertical": vertical,
+        }
 
 
 def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
@@ -142,7 +226,7 @@ def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, termi
     import soft
 
     paths = {method.slug: run.analysis(method.slug) for method in methods}
-    key = key_of(step="figures", program=_program(), analyses={s: file_digest(p) for s, p in paths.items()})
+    key = key_of(step="figures", made_by=_made_by(), analyses={s: file_digest(p) for s, p in paths.items()})
     if _skips(run, "figures", key, terminal):
         return
     with run.writing("figures", key) as draft, terminal.progress("figures") as progress:
@@ -165,10 +249,12 @@ def score(run: RunFolder, material: Material, methods: Sequence[Method], *, term
     if not material.has_truth:
         raise ScoreError(f"{material.folder}: holds no truth.nc and sequence.toml: nothing to score against")
     analyses = {method.name: file_digest(run.analysis(method.slug)) for method in methods}
+    if not run.scene.is_file():
+        _label_as(run, material)
     labels = run.manifest
     key = key_of(
         step="score",
-        program=_program(),
+        made_by=_made_by(),
         truth=file_digest(material.truth),
         analyses=list(analyses.items()),
         scene=[labels.scene, labels.seed, labels.quick],
@@ -176,6 +262,20 @@ def score(run: RunFolder, material: Material, methods: Sequence[Method], *, term
     if not _skips(run, "score", key, terminal):
         _write_scores(run, key, material, methods, terminal)
     return Scores.read(run.scores)
+
+
+def _label_as(run: RunFolder, material: Material) -> None:
+    """Say in a folder without a scene of its own which scene the footage it scores is of."""
+    import synth
+
+    with synth.Footage.open(material.folder) as footage:
+        told = footage.attributes
+    run.label(
+        scene=str(told["scene"]),
+        scene_hash=str(told["scene_hash"]),
+        seed=int(told["seed"]),
+        quick=bool(told["quick"]),
+    )
 
 
 def _write_scores(
@@ -196,7 +296,9 @@ def _write_scores(
             flow.close()
     results = {name: MethodScore(seconds[name], strata) for name, strata in summaries.items()}
     with run.writing("score", key) as draft:
-        Scores(labels.scene, labels.seed, labels.quick, results).write(draft.folder / run.scores.name)
+        Scores(labels.scene, labels.seed, labels.quick, results, package_versions()).write(
+            draft.folder / run.scores.name
+        )
 
 
 def report(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
@@ -205,7 +307,7 @@ def report(run: RunFolder, material: Material, methods: Sequence[Method], *, ter
 
     key = key_of(
         step="report",
-        program=_program(),
+        made_by=_made_by(),
         scores=file_digest(run.scores),
         pictures=material.digest,
         scene=run.manifest.scene_hash,
@@ -285,28 +387,32 @@ def _require(run: RunFolder, step: str, key: str, command: str) -> None:
 
 
 def _simulate_key(scene: "Scene") -> str:
-    return key_of(step="simulate", program=_program(), scene=scene.simulation_hash)
+    return key_of(step="simulate", made_by=_made_by("numpy", "scipy", "taichi"), scene=scene.simulation_hash)
 
 
 def _render_key(run: RunFolder, scene: "Scene") -> str:
     recording = run.manifest.steps["simulate"].facts["digest"]
-    return key_of(step="render", program=_program(), recording=recording, scene=scene.hash)
+    return key_of(
+        step="render",
+        made_by=_made_by("numpy", "scipy", "taichi", "opencv-python-headless"),
+        recording=recording,
+        scene=scene.hash,
+    )
 
 
 def _analyze_step(method: Method) -> str:
     return f"analyze {method.slug}"
 
 
-def _analyze_key(material: Material, method: Method, soil: str) -> str:
+def _analyze_key(material: Material, method: Method, soil: str, vertical: bool) -> str:
     return key_of(
         step="analyze",
-        program=_program(),
-        # DIS gives other numbers in other versions.
-        opencv=package_version("opencv-python-headless"),
+        made_by=_made_by("numpy", "opencv-python-headless", "scikit-learn"),
         pictures=material.digest,
         method=method.name,
         files=_flow_files(method),
         soil=soil,
+        vertical=vertical,
     )
 
 
@@ -324,5 +430,6 @@ def _seconds_per_pair(method: Method, flow: "xr.Dataset") -> float | None:
     return None if method.is_files else float(flow.attrs["seconds_per_pair"])
 
 
-def _program() -> str:
-    return package_version("softbed")
+def _made_by(*packages: str) -> dict[str, str]:
+    """Versions of this program and of the packages whose numbers a step's result is made of."""
+    return {name: package_version(name) for name in ("softbed", *packages)}

@@ -5,6 +5,7 @@ Heavy libraries are imported inside commands, so that `softbed --help` is instan
 
 import os
 import sys
+import traceback
 from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
@@ -14,7 +15,10 @@ import typer
 
 from validation.terminal import Terminal
 
+CHECK_FAILED = 1
 BAD_INPUT = 2
+FAULT = 70
+"""Exit status of a fault of this program itself; 1 is kept for checks that fail."""
 INTERRUPTED = 130
 _ROOMS = ("soft", "synth", "validation")
 
@@ -32,6 +36,9 @@ RunPath = Annotated[Path, typer.Argument(metavar="OUT", help="A run folder.")]
 Quick = Annotated[bool, typer.Option("--quick", help="The scene's smaller and coarser version.")]
 Seed = Annotated[int | None, typer.Option(min=0, metavar="N", help="Another realisation.")]
 Threads = Annotated[int | None, typer.Option(min=1, help="Default: every core.", show_default=False)]
+Resume = Annotated[
+    bool, typer.Option("--resume/--no-resume", help="Go on where a killed simulation left a checkpoint.")
+]
 Device = Annotated[Literal["cpu", "cuda"], typer.Option(help="Where kernels run.")]
 Methods = Annotated[
     list[str] | None,
@@ -54,6 +61,9 @@ Soil = Annotated[
     Literal["bright", "dark", "all"],
     typer.Option(help="Soil against what surrounds it; all: only soil."),
 ]
+Vertical = Annotated[
+    bool, typer.Option("--vertical", help="Take the camera's vertical motion out, too (handheld, settling).")
+]
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output and nothing else.")]
 Debug = Annotated[bool, typer.Option("--debug", help="A full traceback when something fails.")]
 
@@ -72,11 +82,12 @@ def run_command(arguments: Sequence[str]) -> int:
         status = INTERRUPTED
     except Exception as error:
         if "--debug" in arguments or not _is_expected(error):
-            raise
+            traceback.print_exc()
+            return BAD_INPUT if _is_expected(error) else FAULT
         _complain(_in_one_line(error), as_json="--json" in arguments)
         return BAD_INPUT
     if status == INTERRUPTED:
-        _complain("interrupted; nothing half-written is left", as_json=False)
+        _complain("interrupted; nothing half-written is left, the same command goes on", as_json=False)
     return status if isinstance(status, int) else 0
 
 
@@ -163,6 +174,7 @@ def simulate(
     out: OutFolder,
     quick: Quick = False,
     seed: Seed = None,
+    resume: Resume = True,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -177,7 +189,8 @@ def simulate(
     with terminal.working():
         chosen = load_scene(scene, quick=quick, seed=seed)
         with RunFolder.create(out) as run:
-            chain.simulate(run, chosen, work=chain.Work(device, threads), terminal=terminal)
+            work = chain.Work(device, threads)
+            chain.simulate(run, chosen, work=work, terminal=terminal, resume=resume)
             document = _step_document(run, "simulate")
     terminal.show(f"{run.recording}, {run.forces}")
     terminal.give(document)
@@ -204,6 +217,27 @@ def render(
 
 
 @app.command()
+def export(
+    out: RunPath,
+    file_format: Annotated[
+        Literal["vtk"], typer.Option("--format", help="vtk: grains and implement for ParaView, OUT/vtk.")
+    ] = "vtk",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Write a simulated run in a format of other programs."""
+    from validation import chain
+    from validation.run_folder import RunFolder
+
+    terminal = Terminal(json=json)
+    with terminal.working(), RunFolder.open(out) as run:
+        chain.export(run, terminal=terminal)
+        document = _step_document(run, f"export {file_format}")
+    terminal.show(f"{run.vtk / 'grains.pvd'}, {run.vtk / 'implement.pvd'}")
+    terminal.give(document)
+
+
+@app.command()
 def analyze(
     path: Annotated[
         Path, typer.Argument(metavar="PATH", help="A run folder, a footage folder, or a folder of pictures.")
@@ -213,6 +247,7 @@ def analyze(
     metres_per_pixel: MetresPerPixel = None,
     frame_rate: FrameRate = None,
     soil: Soil = "bright",
+    vertical: Vertical = False,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -229,7 +264,9 @@ def analyze(
         with _material(path, out, **scale) as (run, material):
             for chosen in methods:
                 work = chain.Work(device, threads)
-                chain.analyze(run, material, chosen, soil=soil, work=work, terminal=terminal)
+                chain.analyze(
+                    run, material, chosen, soil=soil, vertical=vertical, work=work, terminal=terminal
+                )
             if not material.has_truth:
                 chain.draw(run, material, methods, terminal=terminal)
             document = _step_document(run, *(f"analyze {chosen.slug}" for chosen in methods))
@@ -272,6 +309,7 @@ def run(
     method: Methods = None,
     quick: Quick = False,
     seed: Seed = None,
+    resume: Resume = True,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -290,7 +328,7 @@ def run(
         chain.require_methods(methods)
         chosen = load_scene(scene, quick=quick, seed=seed)
         with RunFolder.create(out) as folder:
-            chain.simulate(folder, chosen, work=work, terminal=terminal)
+            chain.simulate(folder, chosen, work=work, terminal=terminal, resume=resume)
             chain.render(folder, work=work, terminal=terminal)
             material = chain.footage_of(folder)
             for one in methods:
@@ -298,6 +336,61 @@ def run(
             scores = chain.score(folder, material, methods, terminal=terminal)
             chain.report(folder, material, methods, terminal=terminal)
     _show_scores(folder, scores, terminal)
+
+
+@app.command()
+def verify(
+    name: Annotated[Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver.")],
+    case: Annotated[
+        list[str] | None,
+        typer.Option("--case", metavar="CASE", help="Only this one; may repeat.", show_default=False),
+    ] = None,
+    quick: Annotated[bool, typer.Option("--quick", help="Only the cases that take seconds.")] = False,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Hold the solver against closed forms and published numbers; exit status 1 where a limit is not kept."""
+    from synth.devices import start_taichi
+    from validation.verification.suite import choose_cases, verify_dem, verify_document, verify_table
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        cases = choose_cases(case or [], quick=quick)
+        start_taichi(device, threads)
+        with terminal.progress(f"verify {name}") as progress:
+            results = verify_dem(cases, progress=progress)
+    terminal.show(verify_table(results))
+    terminal.give(verify_document(results))
+    if not all(result.passed for result in results):
+        raise typer.Exit(CHECK_FAILED)
+
+
+@app.command()
+def bench(
+    name: Annotated[Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver, LAMMPS.")],
+    grains: Annotated[
+        list[int] | None,
+        typer.Option(min=100, metavar="N", help="About so many discs; may repeat.", show_default=False),
+    ] = None,
+    repeats: Annotated[int, typer.Option(min=1, help="Measurements; their median is told.")] = 5,
+    threads: Threads = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Measure speed, ours and that of peers found on the PATH, on the same work and in turn."""
+    from validation.bench.dem import GRAIN_COUNTS, bench_dem
+    from validation.bench.rows import bench_document, bench_table
+
+    terminal = Terminal(json=json)
+    workers = threads or os.cpu_count() or 1
+    with terminal.working(), terminal.progress(f"bench {name}") as progress:
+        rows = bench_dem(
+            grain_counts=grains or GRAIN_COUNTS, repeats=repeats, threads=workers, progress=progress
+        )
+    terminal.show(bench_table(f"bench {name}, {workers} threads", rows))
+    terminal.give(bench_document(name, rows, threads=workers, device="cpu"))
 
 
 @contextmanager

@@ -16,7 +16,7 @@ _WIDTH = 6.4
 _DOTS_PER_INCH = 150
 _DIRECTION_ABOVE = 0.3
 """px a frame; slower soil has no direction worth a colour."""
-_ERROR_RANGE = (0.03, 10.0)
+_ERROR_RANGE = (0.03, 3.0)
 _MISSED = "#d62aa5"
 _STRATUM_COLOURS = {"quiet": "#4c78a8", "moving": "#54a24b", "complex": "#e45756"}
 
@@ -91,7 +91,7 @@ def draw_error(measured: Measured, picture: np.ndarray) -> "Figure":
     if measured.missed.any():
         axes.imshow(np.where(measured.missed, 1.0, np.nan), cmap=ListedColormap([_MISSED]))
     bar = _colour_bar(figure, axes, image, "end-point error [px]", extend="both")
-    bar.set_ticks([0.03, 0.1, 0.3, 1, 3, 10], labels=["0.03", "0.1", "0.3", "1", "3", "10"])
+    bar.set_ticks([0.03, 0.1, 0.3, 1, 3], labels=["0.03", "0.1", "0.3", "1", "3"])
     return figure
 
 

@@ -26,6 +26,7 @@ class Step(_Record):
     seconds: float = Field(ge=0, description="wall time")
     files: list[str] = Field(description="what it wrote, relative to the run folder, sorted")
     facts: dict[str, Any] = Field(default_factory=dict, description="what later steps need to know")
+    versions: dict[str, str] = Field(default_factory=dict, description="of the packages that made it")
 
 
 class Manifest(_Record):

@@ -38,7 +38,10 @@ class Motion:
     @property
     def direction(self) -> np.ndarray:
         """Angle, rad, counter-clockwise from right as the picture shows it: pi/2 is up."""
-        return np.arctan2(-self.v, self.u)
+        from soft import to_polar, to_velocity
+
+        upwards = to_velocity(np.stack([self.u, self.v], axis=-1), metres_per_pixel=1.0, time_step=1.0)
+        return to_polar(*upwards)[1]
 
 
 @dataclass(frozen=True, eq=False)

@@ -30,6 +30,7 @@ from validation.versions import machine, package_version, package_versions
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from synth.dem.soundness import Judgement
     from validation.material import Material
     from validation.methods import Method
     from validation.run_folder import RunFolder
@@ -108,6 +109,7 @@ def _content(run: "RunFolder", material: "Material", methods: "Sequence[Method]"
         "pair": view.pair,
         "truth_panels": _truth_panels(view),
         "forces": _forces_panel(run, material, view.pair),
+        "soundness": _soundness(run),
         "scene_toml": run.scene.read_text(encoding="utf-8") if run.scene.is_file() else "",
         "versions": package_versions(),
         "machine": machine(),
@@ -247,6 +249,14 @@ def _forces_panel(run: "RunFolder", material: "Material", pair: int) -> Panel | 
     marked = pair / rate if rate else None
     caption = "Before time 0 is the run-in, without pictures. The dotted line marks the pair shown above."
     return _panel("Over time", caption, draw_forces(forces, marked=marked))
+
+
+def _soundness(run: "RunFolder") -> "list[Judgement]":
+    """What the simulation reports of itself; nothing where there were no grains to simulate."""
+    from synth.dem.soundness import judge
+
+    step = run.manifest.steps.get("simulate")
+    return judge(step.facts.get("soundness", {})) if step else []
 
 
 def _read_forces(path: Path) -> dict[str, np.ndarray]:

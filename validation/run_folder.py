@@ -6,7 +6,7 @@ import os
 import shutil
 import tempfile
 import time
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any, Self
@@ -15,6 +15,7 @@ from validation.manifest import MANIFEST_FILE, Manifest, RunFolderError, Step, f
 from validation.versions import machine, package_versions
 
 PARTIAL_PREFIX = ".partial-"
+CHECKPOINT = ".checkpoint"
 
 
 @dataclass
@@ -102,6 +103,16 @@ class RunFolder:
         return self.path / "recording.nc"
 
     @property
+    def stopped_recording(self) -> Path:
+        """States until a simulation had to stop; never beside a recording of the same scene."""
+        return self.path / "recording-stopped.nc"
+
+    @property
+    def checkpoint(self) -> Path:
+        """Where a killed simulation goes on from; gone once its recording is whole."""
+        return self.path / CHECKPOINT
+
+    @property
     def forces(self) -> Path:
         """Forces over time."""
         return self.path / "forces.csv"
@@ -110,6 +121,11 @@ class RunFolder:
     def footage(self) -> Path:
         """Pictures and truth."""
         return self.path / "footage"
+
+    @property
+    def vtk(self) -> Path:
+        """Grains and implement for ParaView."""
+        return self.path / "vtk"
 
     @property
     def scores(self) -> Path:
@@ -165,8 +181,16 @@ class RunFolder:
         seconds = time.perf_counter() - started
         self._forget_files_of(step)
         self.manifest.files.update(digests)
-        self.manifest.steps[step] = Step(key=key, seconds=seconds, files=files, facts=draft.facts)
+        self.manifest.steps[step] = Step(
+            key=key, seconds=seconds, files=files, facts=draft.facts, versions=package_versions()
+        )
         self._write_manifest()
+
+    def put_aside(self, path: Path, write: Callable[[Path], None]) -> None:
+        """Write a file that belongs to no step: whole under its name, or not at all."""
+        with self._draft() as folder:
+            write(folder / path.name)
+            self._publish(folder)
 
     def label(self, *, scene: str, scene_hash: str, seed: int, quick: bool) -> None:
         """Say in the manifest which scene this run is of."""
@@ -225,7 +249,8 @@ def _replace_folder(new: Path, final: Path, *, aside: Path) -> None:
 
 
 def _refuse_foreign(folder: Path) -> None:
-    strangers = [entry.name for entry in _entries(folder) if not entry.name.startswith(PARTIAL_PREFIX)]
+    names = [entry.name for entry in _entries(folder)]
+    strangers = [name for name in names if not name.startswith(PARTIAL_PREFIX) and name != CHECKPOINT]
     if strangers:
         raise RunFolderError(
             f"{folder}: neither empty nor a run folder (it holds {min(strangers)!r} and no {MANIFEST_FILE}): "

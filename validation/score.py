@@ -10,7 +10,6 @@ import numpy as np
 
 from validation.metrics import ErrorSummary, ErrorTally
 from validation.strata import STRATA, find_strata
-from validation.versions import package_versions
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -48,6 +47,7 @@ class Scores:
     seed: int
     quick: bool
     methods: dict[str, MethodScore]
+    versions: dict[str, str]
 
     def to_dict(self) -> dict[str, Any]:
         """As it stands in scores.json."""
@@ -56,7 +56,7 @@ class Scores:
             "scene": self.scene,
             "seed": self.seed,
             "quick": self.quick,
-            "versions": package_versions(),
+            "versions": self.versions,
             "methods": {
                 name: {
                     "seconds_per_pair": method.seconds_per_pair,
@@ -85,7 +85,7 @@ class Scores:
                 version = content["schema_version"]
                 raise ScoreError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
             methods = {name: _method_from(table) for name, table in content["methods"].items()}
-            return cls(content["scene"], content["seed"], content["quick"], methods)
+            return cls(content["scene"], content["seed"], content["quick"], methods, content["versions"])
         except (KeyError, TypeError, json.JSONDecodeError) as error:
             raise ScoreError(f"{path}: not scores: {error}") from None
 

@@ -15,14 +15,14 @@ STRATA = ("all", "moving", "complex", "quiet", "mixed")
 MEANINGS = {
     "all": "every pixel of soil whose true motion is known",
     "moving": "soil whose true motion in the inertial frame is above 1 px",
-    "complex": "soil within 3 px of the implement, or where the true motion's gradient is above 0.1 px/px",
+    "complex": "soil within 3 px of the implement, or of a true gradient of motion above 0.1 px/px",
     "quiet": "soil that is neither moving nor complex",
     "mixed": "soil whose pixel holds motions more than 0.1 px apart",
 }
 MOVING_ABOVE = 1.0
 """True inertial motion above which soil is moving, px."""
 COMPLEX_WITHIN = 3.0
-"""Distance to the implement within which flow is complex, px."""
+"""Distance to the implement, or to a steep gradient, within which flow is complex, px."""
 COMPLEX_ABOVE = 0.1
 """Frobenius norm of the true displacement's gradient above which flow is complex, px/px."""
 
@@ -58,7 +58,8 @@ def find_strata(truth: "xr.Dataset") -> Strata:
     with np.errstate(invalid="ignore"):
         moving = everything & (np.hypot(u - camera_u, v) > MOVING_ABOVE)
     near = truth["distance_to_implement"].values <= COMPLEX_WITHIN
-    complicated = everything & (near | (gradient_norm(u, v, everything) > COMPLEX_ABOVE))
+    steep = gradient_norm(u, v, everything) > COMPLEX_ABOVE
+    complicated = everything & (near | (distance_to(steep) <= COMPLEX_WITHIN))
     masks = {
         "all": everything,
         "moving": moving,
@@ -67,6 +68,13 @@ def find_strata(truth: "xr.Dataset") -> Strata:
         "mixed": everything & truth["mixed"].values,
     }
     return Strata(masks, camera_u)
+
+
+def distance_to(mask: np.ndarray) -> np.ndarray:
+    """Distance of every pixel's centre to the nearest one of a mask, px: (H, W), infinite without any."""
+    from scipy.ndimage import distance_transform_edt
+
+    return distance_transform_edt(~mask) if mask.any() else np.full(mask.shape, np.inf)
 
 
 def camera_displacement(truth: "xr.Dataset", soil: np.ndarray) -> float:

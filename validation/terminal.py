@@ -17,6 +17,8 @@ Progress = Callable[[int, int], None]
 _COLUMNS = 110
 _SECONDS_BETWEEN_LINES = 10.0
 _SECONDS_BETWEEN_LINES_AT_MOST = 120.0
+_FIRST_GUESS = 0.05
+"""Share of the work before which the time left is not guessed: compiling kernels comes first."""
 
 
 class Terminal:
@@ -103,7 +105,8 @@ def _lines(label: str, say: Callable[[str], None]) -> Iterator[Progress]:
         now = time.monotonic()
         if done and done < total and now - spoken > pause:
             left = (now - started) * (total - done) / done
-            say(f"{label}: {done} of {total}, about {duration(left)} left")
+            guess = f", about {duration(left)} left" if done > _FIRST_GUESS * total else ""
+            say(f"{label}: {done} of {total}{guess}")
             spoken, pause = now, min(2 * pause, _SECONDS_BETWEEN_LINES_AT_MOST)
 
     yield advance

@@ -3,6 +3,7 @@
 import hashlib
 import json
 import os
+import zipfile
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -13,7 +14,7 @@ from synth.dem.contact_law import ContactLaw, damping_ratio_of, largest_time_ste
 from synth.dem.grains import Grains
 from synth.dem.solver import Solver
 from synth.devices import cache_folder
-from synth.scene import GRAVITY, SoilBinScene
+from synth.scene import SoilBinScene
 
 Progress = Callable[[int, int], None]
 
@@ -66,7 +67,10 @@ def settled_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
     """The scene's bed, from the cache where it has been made before."""
     path = cache_folder() / "beds" / f"{_bed_hash(scene)}.npz"
     if path.is_file():
-        return _read(path)
+        try:
+            return _read(path)
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile):
+            path.unlink()  # damaged, by a full disk perhaps: made anew
     bed = prepare_bed(scene, progress=progress)
     _write(bed, path)
     return bed
@@ -79,7 +83,7 @@ def prepare_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
     last stage brings the grains to rest at the scene's own.
     """
     law = contact_law(scene)
-    softer = _softer(law, _SETTLING_STIFFNESS * scene.soil.bulk_density * GRAVITY * scene.bed.depth)
+    softer = _softer(law, _SETTLING_STIFFNESS * scene.soil.bulk_density * scene.bed.gravity * scene.bed.depth)
     softer = replace(softer, friction=scene.bed.settling_friction)
     density = scene.soil.bulk_density / _FIRST_SOLID_FRACTION
     dropped = _dropped(scene, np.random.default_rng([scene.seed, 1]), density)
@@ -117,7 +121,7 @@ def _fallen(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Prog
     """Advance while the lattice collapses: a third longer than its top falls to the bed's depth."""
     height = float(grains.position[1].max()) - scene.bed.depth
     solver = _settling_solver(grains, law, scene, drag=0.0)
-    looks = max(1, round(1.33 * np.sqrt(2 * height / GRAVITY) / _LOOK))
+    looks = max(1, round(1.33 * np.sqrt(2 * height / scene.bed.gravity) / _LOOK))
     for done in range(1, looks + 1):
         solver.advance(max(1, round(_LOOK / solver.time_step)))
         if progress is not None:
@@ -128,7 +132,7 @@ def _fallen(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Prog
 def _at_rest(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Progress | None) -> Grains:
     """Advance against a drag until the grains are calm; they are then stopped altogether."""
     solver = _settling_solver(grains, law, scene, drag=_DRAG)
-    fall = np.sqrt(2 * GRAVITY * scene.bed.grain_diameter)
+    fall = np.sqrt(2 * scene.bed.gravity * scene.bed.grain_diameter)
     looks = round(_LONGEST_REST / _LOOK)
     now = grains
     for done in range(1, looks + 1):
@@ -143,7 +147,7 @@ def _at_rest(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Pro
 
 def _settling_solver(grains: Grains, law: ContactLaw, scene: SoilBinScene, *, drag: float) -> Solver:
     step = largest_time_step(grains.mass, law.normal_stiffness, scene.contact.steps_per_contact)
-    return Solver(grains, law, scene.bed.width, step, drag=drag)
+    return Solver(grains, law, scene.bed.width, step, gravity=(0.0, -scene.bed.gravity), drag=drag)
 
 
 def _solid_fraction(grains: Grains, scene: SoilBinScene) -> float:

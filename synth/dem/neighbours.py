@@ -46,8 +46,12 @@ def list_neighbours(position: np.ndarray, radius: np.ndarray, skin: float) -> Ne
     gap = np.hypot(*(position[:, i] - position[:, j])) - radius[i] - radius[j]
     i, j = i[gap < skin], j[gap < skin]
     order = np.lexsort((j, i))
-    pairs = np.stack([i[order], j[order]]).astype(np.int32)
-    return NeighbourList(pairs, *_by_grain(pairs, radius.size))
+    return neighbour_list_of(np.stack([i[order], j[order]]).astype(np.int32), radius.size)
+
+
+def neighbour_list_of(pairs: np.ndarray, grain_count: int) -> NeighbourList:
+    """The list of these pairs, which are in canonical order: int32, shape (2, P)."""
+    return NeighbourList(pairs, *_by_grain(pairs, grain_count))
 
 
 def _by_grain(pairs: np.ndarray, grain_count: int) -> tuple[np.ndarray, np.ndarray]:

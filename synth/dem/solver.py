@@ -6,8 +6,9 @@ from typing import Any
 import numpy as np
 
 from synth.dem.contact_law import ContactLaw
+from synth.dem.failures import SimulationError
 from synth.dem.grains import Grains
-from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours
+from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours, neighbour_list_of
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.scene import GRAVITY
 
@@ -19,8 +20,12 @@ _MOST_UNWATCHED = 16
 """Launches between two looks at how far grains have moved, at most."""
 
 
-class SimulationError(RuntimeError):
-    """The simulation cannot go on; the message says which grain, when, and what to change."""
+_FINER = "take contact.steps_per_contact higher, or timing.speed_up or the load lower"
+_SAVED_ARRAYS = (
+    "motion", "listed", "wall_memory", "near_wall", "tool",
+    "pair_memory", "pair_load", "tool_memory", "reaction",
+)  # fmt: skip
+"""Arrays on the device that cannot be had again from others."""
 
 
 @dataclass
@@ -65,6 +70,7 @@ class Solver:
         self._parts = self._array(_part_rows(self.tool))
         self._constants = self._array(self._constants_row())
         self._neighbours: NeighbourList | None = None
+        self._listed_tool: Tool | None = None
         self._tool_contacts = ToolContacts.none(grains.count)
         self._pair_memory: Any = None
         self._tool_memory = self._array(np.zeros((1, 2)))
@@ -142,13 +148,54 @@ class Solver:
         motion = self._motion.to_numpy()
         return Grains(motion[0:2], motion[2:4], motion[4], motion[5], self.grains.radius, self.grains.density)
 
-    def overlaps(self) -> np.ndarray:
-        """Overlap / mean grain diameter of every pair in contact, shape (contacts,)."""
+    def contacts(self) -> tuple[np.ndarray, np.ndarray]:
+        """Pairs of grains in contact, shape (2, contacts), and their overlaps, m, shape (contacts,)."""
         assert self._neighbours is not None
-        i, j = self._neighbours.pairs
+        pairs = self._neighbours.pairs
+        i, j = pairs
         position, radius = self._motion.to_numpy()[0:2], self.grains.radius
         overlap = radius[i] + radius[j] - np.hypot(*(position[:, i] - position[:, j]))
-        return overlap[overlap > 0] / (2 * radius.mean())
+        return pairs[:, overlap > 0], overlap[overlap > 0]
+
+    def save_state(self) -> dict[str, np.ndarray]:
+        """All that decides how it goes on, bit by bit: `restore_state` on a new solver takes it up.
+
+        To be asked for between two calls of `advance`.
+        """
+        assert self._neighbours is not None
+        contacts, listed = self._tool_contacts, self._listed_tool
+        return {
+            "time": np.array(self.time),
+            "watch_after": np.array(self._watch_after),
+            "listed_tool": np.array([] if listed is None else [listed.x, listed.z, listed.angle]),
+            "pairs": self._neighbours.pairs,
+            "tool_near": contacts.near_tool,
+            "tool_first": contacts.first_contact,
+            "tool_part": contacts.parts,
+            "tool_keys": contacts.keys,
+            **{name: getattr(self, f"_{name}").to_numpy() for name in _SAVED_ARRAYS},
+        }
+
+    def restore_state(self, state: dict[str, np.ndarray]) -> None:
+        """Go on where a solver with the same grains, law and implement stood when it saved its state."""
+        self.time = float(state["time"])
+        self._unwatched, self._watch_after = 0, int(state["watch_after"])
+        self._neighbours = neighbour_list_of(state["pairs"], self.grains.count)
+        self._tool_contacts = ToolContacts(
+            *(state[name] for name in ("tool_near", "tool_first", "tool_part", "tool_keys"))
+        )
+        for name in _SAVED_ARRAYS:
+            setattr(self, f"_{name}", self._array(state[name]))
+        self._pair_body = self._array(_pair_body(self.grains, self._neighbours.pairs))
+        self._pairs = self._array(self._neighbours.pairs)
+        self._first_contact = self._array(self._neighbours.first_contact)
+        self._contacts = self._array(self._neighbours.contacts)
+        self._near_tool = self._array(self._tool_contacts.near_tool)
+        self._first_tool_contact = self._array(self._tool_contacts.first_contact)
+        self._tool_parts = self._array(self._tool_contacts.parts)
+        if self.tool is not None:
+            x, z, angle = state["listed_tool"].tolist()
+            self._listed_tool = replace(self.read_tool(), x=x, z=z, angle=angle)
 
     def _launch(self, steps: int) -> None:
         from synth.dem import kernels as k
@@ -190,9 +237,12 @@ class Solver:
             return
         squares = k.greatest_shift_and_speed(self.grains.count, self._motion, self._listed)
         shift, speed = (float(np.sqrt(square)) for square in squares)
-        shift = max(shift, self._tool_shift())
         if shift > 0.5 * self._skin:
-            raise SimulationError(self._blow_up())
+            raise SimulationError(self._blow_up(), _FINER)
+        tool_shift = self._tool_shift()
+        if tool_shift > 0.5 * self._skin:
+            raise SimulationError(f"the implement moved {tool_shift:.3g} m in a few time steps", _FINER)
+        shift = max(shift, tool_shift)
         left = _REBUILD_AT * self._skin - shift
         reach = max(speed * self.time_step * k.STEPS_PER_LAUNCH, 1e-9 * self._skin)
         self._unwatched, self._watch_after = 0, min(_MOST_UNWATCHED, max(1, int(0.5 * left / reach)))
@@ -203,13 +253,13 @@ class Solver:
         return 0.0 if self._listed_tool is None else self.read_tool().shift_since(self._listed_tool)
 
     def _blow_up(self) -> str:
-        moved = self._motion.to_numpy()[0:2] - self._listed.to_numpy()
-        shift = np.nan_to_num(np.hypot(*moved), nan=np.inf)
+        listed = self._listed.to_numpy()
+        shift = np.nan_to_num(np.hypot(*(self._motion.to_numpy()[0:2] - listed)), nan=np.inf)
         worst = int(shift.argmax())
-        return (
-            f"grain {worst} moved {shift[worst]:.3g} m in a few steps of {self.time_step:.3g} s at t = "
-            f"{self.time:.6g} s (simulated): take contact.steps_per_contact higher, or timing.speed_up lower"
-        )
+        x, z = listed[:, worst]
+        far = f"{shift[worst]:.3g} m" if np.isfinite(shift[worst]) else "beyond any number"
+        step = f"{self.time_step:.3g} s"
+        return f"grain {worst} moved {far} in a few steps of {step}, from x = {x:.4g} m, z = {z:.4g} m"
 
     def _list_neighbours(self) -> None:
         position = self._motion.to_numpy()[0:2]

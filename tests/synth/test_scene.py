@@ -103,7 +103,7 @@ def test_file_that_is_no_scene(tmp_path, text):
 
 def test_missing_file_and_unknown_name_list_what_is_shipped():
     for name in ("nowhere.toml", "nonsense", "../plate_rotation"):
-        with pytest.raises(SceneError, match="plate_rotation, .*rolling_wheel"):
+        with pytest.raises(SceneError, match=r"plate_rotation, .*rolling_wheel"):
             load_scene(name)
 
 
@@ -112,9 +112,24 @@ def test_unknown_key_in_quick_is_refused(tmp_path):
     tomllib.loads(text)
     path = tmp_path / "x.toml"
     path.write_text(text + "\n[quick.lens]\nsmear = 1.0\n")
-    load_scene(path)
-    with pytest.raises(SceneError, match=r"lens\.smear = 1\.0: unknown key"):
+    for quick in (False, True):  # told at once, asked for or not
+        with pytest.raises(SceneError, match=r"\[quick\]: lens\.smear = 1\.0: unknown key"):
+            load_scene(path, quick=quick)
+
+
+def test_quick_cannot_be_asked_of_a_resolved_full_scene(tmp_path):
+    path = tmp_path / "scene.toml"
+    path.write_text(load_scene("rolling_wheel").to_toml())
+    with pytest.raises(SceneError, match=r"scene\.toml: quick: this scene has no \[quick\] table"):
         load_scene(path, quick=True)
+
+
+@pytest.mark.parametrize("seed", ["true", "'5'", "-1", "1.5"])
+def test_a_seed_is_a_whole_number(tmp_path, seed):
+    path = tmp_path / "x.toml"
+    path.write_text(f'base = "rolling_wheel"\nseed = {seed}\n')
+    with pytest.raises(SceneError, match="seed"):
+        load_scene(path)
 
 
 def test_a_scene_may_build_on_a_shipped_one(tmp_path):

@@ -109,5 +109,5 @@ def test_a_wheel_s_page_shows_its_forces(softbed, tiny_wheel_scene, tmp_path):
     status, _, error = softbed("run", tiny_wheel_scene, out)
     assert status == 0, error
     page = Page((out / "report.html").read_text())
-    assert page.ids == ["scores", "truth", "method-1", "forces", "again"]
+    assert page.ids == ["scores", "truth", "method-1", "forces", "soundness", "again"]
     assert any("drawbar pull" in picture["alt"] for picture in page.pictures)

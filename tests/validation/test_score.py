@@ -28,8 +28,8 @@ def test_the_truth_itself_is_right(footage, flow_of):
     strata = score_flows(footage, {"own": flow_of(footage)})["own"]
     assert strata["all"].pixel_count == 2 * 20 * 30
     assert strata["moving"].pixel_count == 2 * 20 * 5
-    assert strata["complex"].pixel_count == 2 * 20 * 2
-    assert strata["quiet"].pixel_count == 2 * 20 * 24
+    assert strata["complex"].pixel_count == 2 * 20 * 8  # the jump, and 3 px to either side
+    assert strata["quiet"].pixel_count == 2 * 20 * 21
     assert strata["mixed"].pixel_count == 0 and strata["mixed"].median is None
     for name in ("all", "moving", "complex", "quiet"):
         assert strata[name].p95 == 0 and strata[name].coverage == 1
@@ -72,7 +72,7 @@ def test_flow_of_other_pictures_is_refused(footage, flow_of, change, words):
 
 def test_scores_on_disk(footage, flow_of, tmp_path):
     strata = score_flows(footage, {"own": flow_of(footage)})["own"]
-    scores = Scores("scene", 3, True, {"own": MethodScore(0.5, strata)})
+    scores = Scores("scene", 3, True, {"own": MethodScore(0.5, strata)}, {"softbed": "0"})
     path = tmp_path / "scores.json"
     scores.write(path)
     assert Scores.read(path) == scores

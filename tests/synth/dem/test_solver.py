@@ -220,3 +220,37 @@ def test_moment_about_the_axle_is_that_of_the_forces_where_they_touch():
     first = start[0] * grains.velocity[1, 0] - start[1] * grains.velocity[0, 0]
     total = after.mass[0] * (orbital - first) + spun + impulse.moment
     assert abs(total) < 1e-3 * abs(impulse.moment)
+
+
+def test_friction_remembers_its_force_when_neighbours_are_listed_anew():
+    """A grain on two others on a slope rests on static friction alone; listing anew must not let it slip."""
+    tilt = np.arctan(0.2)
+    gravity = (GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt))
+    grains = grains_at((0.5, RADIUS), (0.5 + 2 * RADIUS, RADIUS), (0.5 + RADIUS, (1 + np.sqrt(3)) * RADIUS))
+    rough = law(friction=0.9, wall_friction=0.9, rolling_friction=0.9)
+    solver = solver_of(grains, rough, gravity=gravity)
+    advance_for(solver, 0.05)
+    before = solver.read_grains()
+    again = solver_of(before, rough, gravity=gravity)
+    again.restore_state(solver.save_state())
+    for _ in range(5):
+        again._list_neighbours()
+        again.advance(8)
+    for _ in range(5):
+        solver.advance(8)
+    np.testing.assert_array_equal(again.read_grains().position, solver.read_grains().position)
+
+
+def test_the_tools_contacts_remember_too_when_listed_anew():
+    rest = DENSITY * np.pi * RADIUS**2 * GRAVITY / STIFFNESS
+    tilt = np.arctan(0.2)
+    gravity = (GRAVITY * np.sin(tilt), -GRAVITY * np.cos(tilt))
+    tool = Tool(BLADE, x=0.5, z=0.5)
+    held = law(implement_friction=0.9, rolling_friction=0.9)
+    solver = solver_of(grains_at((0.495, 0.5 + 3e-3 - rest)), held, gravity=gravity, tool=tool)
+    advance_for(solver, 0.05)
+    kept = solver.read_grains().position[0, 0]
+    for _ in range(20):
+        solver._list_neighbours()
+        solver.advance(40)
+    assert solver.read_grains().position[0, 0] == pytest.approx(kept, abs=1e-9)

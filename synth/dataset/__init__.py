@@ -1,0 +1,1 @@
+"""Recordings and footage in the formats of others."""

@@ -1,0 +1,88 @@
+"""A recording in the formats of other programs."""
+
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+
+from synth.dataset.vtk import write_polydata, write_series
+from synth.implements import Shape
+from synth.recording import Recording
+from synth.scene import Scene, SoilBinScene
+
+_POINTS_AROUND = 64
+"""Points of a capsule's outline."""
+
+
+def export_vtk(
+    recording: Recording,
+    scene: Scene,
+    folder: Path,
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write grains and implement for ParaView: open `grains.pvd` and `implement.pvd`.
+
+    One `.vtp` a frame. Grains are points with `radius` (m), `velocity` (m/s, in laboratory time) and `angle`
+    (rad); the implement is the outline of each of its capsules. World frame: x along the bin, z up, y = 0.
+
+    Parameters
+    ----------
+    folder : Path
+        Must exist.
+
+    Raises
+    ------
+    ValueError
+        A scene without grains.
+    """
+    if not isinstance(scene, SoilBinScene):
+        raise ValueError(f"{scene.name}: kind = {scene.kind!r}: there are no grains to export")
+    count = recording.frame_count
+    for frame in range(count):
+        _write_grains(folder / _name("grains", frame), recording, frame)
+        _write_implement(folder / _name("implement", frame), recording, frame, scene.implement.shape)
+        if progress is not None:
+            progress(frame + 1, count)
+    times = recording.data["time"].values
+    for subject in ("grains", "implement"):
+        write_series(folder / f"{subject}.pvd", times, [_name(subject, frame) for frame in range(count)])
+
+
+def _name(subject: str, frame: int) -> str:
+    return f"{subject}-{frame:06d}.vtp"
+
+
+def _write_grains(path: Path, recording: Recording, frame: int) -> None:
+    state = recording.data.isel(frame=frame)
+    points = _in_world(state["position_x"].values, state["position_z"].values)
+    data = {
+        "radius": state["radius"].values,
+        "velocity": _in_world(state["velocity_x"].values, state["velocity_z"].values),
+        "angle": state["angle"].values,
+    }
+    write_polydata(path, points, point_data=data)
+
+
+def _write_implement(path: Path, recording: Recording, frame: int, shape: Shape) -> None:
+    state = recording.data.isel(frame=frame)
+    outlines = capsule_outlines(shape.turned(float(state["implement_angle"])))
+    x, z = outlines.reshape(-1, 2).T
+    points = _in_world(x + float(state["implement_x"]), z + float(state["implement_z"]))
+    index = np.arange(len(points)).reshape(outlines.shape[:2])
+    write_polydata(path, points, lines=list(np.concatenate([index, index[:, :1]], axis=1)))
+
+
+def capsule_outlines(shape: Shape) -> np.ndarray:
+    """Points around every capsule, counter-clockwise, m, shape (C, 64, 2)."""
+    along = shape.end - shape.start
+    heading = np.arctan2(along[:, 1], along[:, 0])
+    quarter = np.pi / 2
+    half_circle = np.linspace(-quarter, quarter, _POINTS_AROUND // 2)
+    angle = heading[:, None] + np.concatenate([half_circle, half_circle + np.pi])
+    centre = np.repeat(np.stack([shape.end, shape.start], axis=1), half_circle.size, axis=1)
+    return centre + shape.radius[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=2)
+
+
+def _in_world(x: np.ndarray, z: np.ndarray) -> np.ndarray:
+    return np.stack([x, np.zeros_like(x), z], axis=1)

@@ -1,0 +1,78 @@
+"""VTK's XML files, as ParaView reads them: points and lines (`.vtp`), and series of them in time (`.pvd`).
+
+After "VTK XML file formats" of the VTK documentation: arrays are inline, base64 of a 64-bit byte count and
+the values, little-endian.
+"""
+
+import base64
+from collections.abc import Iterable, Mapping
+from pathlib import Path
+from xml.etree import ElementTree
+
+import numpy as np
+
+_TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8")}
+
+
+def write_polydata(
+    path: Path,
+    points: np.ndarray,
+    *,
+    point_data: Mapping[str, np.ndarray] | None = None,
+    lines: Iterable[np.ndarray] | None = None,
+) -> None:
+    """Write points, or lines through them.
+
+    Parameters
+    ----------
+    path : Path
+        A `.vtp`.
+    points : ndarray, shape (N, 3)
+    point_data : dict of ndarray, shape (N,) or (N, 3)
+        Named values.
+    lines : iterable of ndarray of int, optional
+        Indices of the points along each line; without, every point stands for itself.
+    """
+    root = _root("PolyData")
+    cells = [np.array([index]) for index in range(len(points))] if lines is None else list(lines)
+    kind = "Verts" if lines is None else "Lines"
+    counts = {"NumberOfPoints": len(points), f"NumberOf{kind}": len(cells)}
+    poly = ElementTree.SubElement(root, "PolyData")
+    piece = ElementTree.SubElement(poly, "Piece", {name: str(count) for name, count in counts.items()})
+    _add_array(ElementTree.SubElement(piece, "Points"), "Points", np.asarray(points, float))
+    cell = ElementTree.SubElement(piece, kind)
+    _add_array(cell, "connectivity", np.concatenate([np.zeros(0, int), *cells]))
+    _add_array(cell, "offsets", np.cumsum([len(indices) for indices in cells], dtype=int))
+    data = ElementTree.SubElement(piece, "PointData")
+    for name, values in (point_data or {}).items():
+        _add_array(data, name, values)
+    _write(root, path)
+
+
+def write_series(path: Path, times: Iterable[float], files: Iterable[str]) -> None:
+    """Write a `.pvd`: files beside it, and their times in s."""
+    root = _root("Collection")
+    collection = ElementTree.SubElement(root, "Collection")
+    for time, file in zip(times, files, strict=True):
+        ElementTree.SubElement(collection, "DataSet", timestep=repr(float(time)), part="0", file=file)
+    _write(root, path)
+
+
+def _root(kind: str) -> ElementTree.Element:
+    return ElementTree.Element(
+        "VTKFile", type=kind, version="1.0", byte_order="LittleEndian", header_type="UInt64"
+    )
+
+
+def _add_array(parent: ElementTree.Element, name: str, values: np.ndarray) -> None:
+    kind, form = _TYPES[values.dtype.kind]
+    components = 1 if values.ndim == 1 else values.shape[1]
+    array = ElementTree.SubElement(
+        parent, "DataArray", type=kind, Name=name, NumberOfComponents=str(components), format="binary"
+    )
+    content = np.ascontiguousarray(values, form).tobytes()
+    array.text = base64.b64encode(np.array(len(content), "<u8").tobytes() + content).decode("ascii")
+
+
+def _write(root: ElementTree.Element, path: Path) -> None:
+    ElementTree.ElementTree(root).write(path, encoding="utf-8", xml_declaration=True)

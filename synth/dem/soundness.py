@@ -1,0 +1,285 @@
+"""Whether a simulation is sound: slow enough, stiff enough, and finely enough resolved in time.
+
+Grains stand for soil that flows slowly only while their inertia is small against the pressure (inertial
+number), their contacts are stiff against it (stiffness / pressure, overlap), and their collisions are
+resolved. The dimensionless numbers are those of da Cruz, Emam, Prochnow, Roux, Chevoir, *Physical Review E*
+72 (2005) 021309; the limits are this project's.
+
+All is computed from a few recorded frames, after the run; nothing here feeds back into it.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from scipy.spatial import cKDTree
+
+from synth.dem.contact_law import contact_time
+from synth.dem.grains import Grains
+from synth.dem.log import Frame, RunLog
+from synth.dem.tool import Tool
+from synth.implements import RigidWheel, Shape
+from synth.scene import GRAVITY, SoilBinScene
+
+_FRAMES = 8
+"""Frames looked at, evenly over the run."""
+_AVERAGED_OVER = 2.5
+"""Radius around a grain that its velocity gradient and pressure are averaged over / mean grain diameter."""
+_MOVING = 0.1
+"""Soil that moves: grains faster than this share of the implement's speed."""
+
+
+@dataclass(frozen=True)
+class Quantity:
+    """One thing that a run reports of its own soundness.
+
+    Attributes
+    ----------
+    attribute : str
+        Its name among the attributes of a recording.
+    name : str
+        For a person.
+    unit : str
+        "" for a plain number; a share is shown in %.
+    limit : float or None
+    at_most : bool
+        The limit is an upper one.
+    advice : str
+        What to change where the limit is not kept.
+    """
+
+    attribute: str
+    name: str
+    unit: str = ""
+    limit: float | None = None
+    at_most: bool = True
+    advice: str = ""
+
+    def show(self, value: float) -> str:
+        """The value with its unit."""
+        if self.unit == "%":
+            return f"{100 * value:.2g} %"
+        return f"{value:.3g} {self.unit}".strip()
+
+    def keeps(self, value: float) -> bool:
+        """Whether the limit, if there is one, is kept."""
+        return self.limit is None or (value <= self.limit if self.at_most else value >= self.limit)
+
+
+_SLOWER = "take timing.speed_up lower"
+_STIFFER = "take contact.normal_stiffness higher"
+QUANTITIES = (
+    Quantity("inertial_number_median", "inertial number, median"),
+    Quantity("inertial_number_p95", "inertial number, 95 %", limit=3e-3, advice=_SLOWER),
+    Quantity("mean_pressure", "mean pressure under the implement", unit="Pa"),
+    Quantity(
+        "stiffness_ratio", "contact stiffness / mean pressure", limit=1000.0, at_most=False, advice=_STIFFER
+    ),
+    Quantity("overlap_mean", "overlap / diameter, mean", unit="%"),
+    Quantity("overlap_p99", "overlap / diameter, 99 %", unit="%", limit=0.01, advice=_STIFFER),
+    Quantity("overlap_max", "overlap / diameter, greatest", unit="%"),
+    Quantity(
+        "steps_per_contact",
+        "time steps in the shortest collision",
+        limit=20.0,
+        at_most=False,
+        advice="take contact.steps_per_contact higher",
+    ),
+)
+
+
+@dataclass(frozen=True)
+class Judgement:
+    """A quantity of a run, in words."""
+
+    name: str
+    value: str
+    limit: str
+    kept: bool
+    advice: str
+
+
+def attributes_of(attributes: Mapping[str, Any]) -> dict[str, float]:
+    """Those of a recording's attributes that are about its soundness."""
+    names = [quantity.attribute for quantity in QUANTITIES]
+    return {name: float(attributes[name]) for name in names if name in attributes}
+
+
+def judge(soundness: Mapping[str, float]) -> list[Judgement]:
+    """What values by attribute say; quantities that are not among them are left out."""
+    judgements = []
+    for quantity in QUANTITIES:
+        if quantity.attribute in soundness:
+            value = soundness[quantity.attribute]
+            sign = "at most" if quantity.at_most else "at least"
+            limit = "" if quantity.limit is None else f"{sign} {quantity.show(quantity.limit)}"
+            kept = quantity.keeps(value)
+            judgements.append(Judgement(quantity.name, quantity.show(value), limit, kept, quantity.advice))
+    return judgements
+
+
+def soundness_of(scene: SoilBinScene, time_step: float, log: RunLog) -> dict[str, float]:
+    """Attributes of a run by their names in `QUANTITIES`; those that are not defined are left out.
+
+    Parameters
+    ----------
+    time_step : float
+        Simulated, s.
+    """
+    chosen = np.unique(np.linspace(0, len(log.frames) - 1, _FRAMES).astype(int))
+    frames = [log.frames[index] for index in chosen]
+    stiffness, density = scene.contact.normal_stiffness, scene.soil.bulk_density
+    inertial = np.concatenate([inertial_numbers(frame, stiffness, density) for frame in frames])
+    overlap = np.concatenate([_overlaps(frame.grains) for frame in frames])
+    lightest = float(frames[0].grains.mass.min())
+    found = {"steps_per_contact": contact_time(lightest, stiffness) / time_step}
+    if inertial.size:
+        found["inertial_number_median"] = float(np.median(inertial))
+        found["inertial_number_p95"] = float(np.quantile(inertial, 0.95))
+    if overlap.size:
+        found["overlap_mean"] = float(overlap.mean())
+        found["overlap_p99"] = float(np.quantile(overlap, 0.99))
+        found["overlap_max"] = max(log.greatest_overlap, float(overlap.max()))
+    pressure = mean_pressure(scene, log)
+    if pressure > 0:
+        found |= {"mean_pressure": pressure, "stiffness_ratio": stiffness / pressure}
+    return found
+
+
+def mean_pressure(scene: SoilBinScene, log: RunLog) -> float:
+    """Mean pressure of the soil on the implement since the first frame, Pa; 0 where they do not touch.
+
+    Under a wheel: upward force / width / horizontal length of the contact from where the rim enters the soil
+    to its lowest point, ``sqrt(2 R s - s^2)`` at sinkage s. On another implement: resultant force / width /
+    depth of its lowest point.
+    """
+    columns = log.sample_arrays()
+    recorded = columns["sample_time"] > 0
+    sinkage, upward, along = (float(columns[n][recorded].mean()) for n in ("sinkage", "force_z", "force_x"))
+    implement = scene.implement
+    if sinkage <= 0:
+        return 0.0
+    if isinstance(implement, RigidWheel):
+        radius = implement.shape.reach
+        depth = min(sinkage, radius)
+        return max(0.0, upward) / implement.width / float(np.sqrt(2 * radius * depth - depth**2))
+    return float(np.hypot(upward, along)) / implement.width / sinkage
+
+
+def inertial_numbers(frame: Frame, normal_stiffness: float, bulk_density: float) -> np.ndarray:
+    """Inertial number of every grain that moves: shear rate x diameter x root(grain density / pressure).
+
+    Everything in simulated time. Shear rate and pressure are those around the grain, averaged over 2.5
+    diameters. Grains under less than a layer of a grain's thickness are left out: there is no continuum
+    around them.
+
+    Parameters
+    ----------
+    normal_stiffness : float
+        N/m per metre of width.
+    bulk_density : float
+        kg/m3.
+
+    Returns
+    -------
+    ndarray, shape (moving,)
+    """
+    grains = frame.grains
+    diameter = 2 * float(grains.radius.mean())
+    chosen = np.flatnonzero(_moving(frame))
+    if chosen.size == 0:
+        return np.zeros(0)
+    near = _Surroundings.of(grains.position, chosen, _AVERAGED_OVER * diameter)
+    rate = near.shear_rate(grains.position, grains.velocity)
+    area = np.pi * grains.radius**2
+    solid_fraction = bulk_density / grains.density
+    pressure = solid_fraction * near.mean(virials(grains, frame.tool, normal_stiffness)) / near.mean(area)
+    carries = (pressure > bulk_density * GRAVITY * diameter) & np.isfinite(rate)
+    return rate[carries] * diameter * np.sqrt(grains.density / pressure[carries])
+
+
+def virials(grains: Grains, tool: Tool, normal_stiffness: float) -> np.ndarray:
+    """Half the trace of every grain's virial, ``sum of f . l / 2``, N per metre of width, shape (N,).
+
+    The branch from a disc's centre to its contact lies along the normal, so that only normal forces count.
+    They are the springs' alone: in slow flow, the dashpots' share is small.
+    """
+    pairs, overlap = _contacts(grains)
+    (i, j), radius = pairs, grains.radius
+    virial = np.zeros(grains.count)
+    for grain in (i, j):
+        np.add.at(virial, grain, overlap * (radius[grain] - overlap / 2))
+    gap = _gaps_to(tool, grains)
+    pressed = np.maximum(radius[:, None] - gap, 0)
+    virial += (pressed * (radius[:, None] - pressed / 2)).sum(axis=1)
+    return 0.5 * normal_stiffness * virial
+
+
+def _gaps_to(tool: Tool, grains: Grains) -> np.ndarray:
+    """Distance of grains' centres to every capsule of the implement, m, shape (N, C)."""
+    shape: Shape = tool.shape.turned(tool.angle)
+    return shape.distance_to_capsules(grains.position.T - (tool.x, tool.z))
+
+
+def _moving(frame: Frame) -> np.ndarray:
+    """Grains faster than a tenth of the implement; none while it stands still."""
+    tool = frame.tool
+    speed = max(abs(tool.velocity_x), abs(tool.spin) * tool.shape.reach)
+    return (np.hypot(*frame.grains.velocity) > _MOVING * speed) & (speed > 0)
+
+
+def _contacts(grains: Grains) -> tuple[np.ndarray, np.ndarray]:
+    """Pairs in contact (2, K), and their overlaps, m (K,)."""
+    position, radius = grains.position, grains.radius
+    pairs = cKDTree(position.T).query_pairs(2 * radius.max(), output_type="ndarray").T
+    i, j = pairs
+    overlap = radius[i] + radius[j] - np.hypot(*(position[:, i] - position[:, j]))
+    return pairs[:, overlap > 0], overlap[overlap > 0]
+
+
+def _overlaps(grains: Grains) -> np.ndarray:
+    """Overlap / mean grain diameter of every pair in contact."""
+    return _contacts(grains)[1] / (2 * grains.radius.mean())
+
+
+@dataclass(frozen=True)
+class _Surroundings:
+    """Grains around chosen ones: `owner` counts the chosen, `grain` is one around it, itself among them."""
+
+    count: int
+    owner: np.ndarray
+    grain: np.ndarray
+
+    @classmethod
+    def of(cls, position: np.ndarray, chosen: np.ndarray, reach: float) -> "_Surroundings":
+        near = cKDTree(position.T).query_ball_point(position[:, chosen].T, reach)
+        sizes = [len(grains) for grains in near]
+        return cls(chosen.size, np.repeat(np.arange(chosen.size), sizes), np.concatenate(near).astype(int))
+
+    def mean(self, values: np.ndarray) -> np.ndarray:
+        """Mean of the grains' values around each chosen one, shape (chosen,)."""
+        return np.bincount(self.owner, values[self.grain], self.count) / np.bincount(self.owner)
+
+    def shear_rate(self, position: np.ndarray, velocity: np.ndarray) -> np.ndarray:
+        """Shear rate of the velocity field that fits best around each chosen grain, 1/s; NaN: too few grains.
+
+        With the gradient's symmetric part D less its isotropic part, ``sqrt(2 D : D)``: in simple shear, the
+        velocity's change across the layer.
+        """
+        x, z = (self._about_mean(component) for component in position)
+        u, w = (self._about_mean(component) for component in velocity)
+        xx, xz, zz = self._sum(x * x), self._sum(x * z), self._sum(z * z)
+        determinant = xx * zz - xz * xz
+        flat = determinant < 1e-6 * (xx + zz) ** 2
+        determinant[flat] = np.nan
+        ux, uz, wx, wz = (self._sum(v * p) for v in (u, w) for p in (x, z))
+        stretch = (zz * ux - xz * uz) - (xx * wz - xz * wx)
+        shear = (xx * uz - xz * ux) + (zz * wx - xz * wz)
+        return np.hypot(stretch, shear) / determinant
+
+    def _sum(self, values: np.ndarray) -> np.ndarray:
+        return np.bincount(self.owner, values, self.count)
+
+    def _about_mean(self, component: np.ndarray) -> np.ndarray:
+        return component[self.grain] - self.mean(component)[self.owner]

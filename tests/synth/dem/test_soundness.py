@@ -1,0 +1,86 @@
+"""Soundness of flows whose inertial number is known."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from synth import simulate
+from synth.dem.grains import Grains
+from synth.dem.log import Frame
+from synth.dem.soundness import QUANTITIES, inertial_numbers, judge
+from synth.dem.tool import Tool
+from synth.implements import Shape
+
+RADIUS, DENSITY, STIFFNESS, OVERLAP = 1e-3, 2000.0, 1e6, 1e-5
+SPACING = 2 * RADIUS - OVERLAP
+BULK = DENSITY * np.pi * RADIUS**2 / (np.sqrt(3) / 2 * SPACING**2)
+
+
+def sheared_lattice(rate, count=24):
+    """A triangular lattice under pressure ``sqrt(3) k overlap / spacing``, in simple shear."""
+    row, column = np.divmod(np.arange(count**2), count)
+    position = SPACING * np.stack([column + 0.5 * (row % 2), np.sqrt(3) / 2 * row]) + 0.01
+    grains = Grains.at_rest(position, np.full(count**2, RADIUS), DENSITY)
+    return replace(grains, velocity=np.stack([rate * position[1], 0 * position[1]]))
+
+
+def far_tool(speed):
+    return Tool(Shape.disc(0.01), x=5.0, z=5.0, velocity_x=speed)
+
+
+def test_inertial_number_of_simple_shear():
+    rate = 3.0
+    numbers = inertial_numbers(Frame(far_tool(0.01), sheared_lattice(rate)), STIFFNESS, BULK)
+    pressure = np.sqrt(3) * STIFFNESS * OVERLAP / SPACING
+    # Grains at the edges have fewer contacts; all others are alike.
+    expected = rate * 2 * RADIUS * np.sqrt(DENSITY / pressure)
+    assert np.median(numbers) == pytest.approx(expected, rel=1e-6)
+    assert numbers.min() == pytest.approx(expected, rel=1e-6)
+
+
+def test_turning_as_a_whole_is_no_shear():
+    grains = sheared_lattice(0.0)
+    x, z = grains.position
+    turning = replace(grains, velocity=np.stack([-2.0 * z, 2.0 * x]))
+    numbers = inertial_numbers(Frame(far_tool(0.01), turning), STIFFNESS, BULK)
+    assert numbers.size and numbers.max() < 1e-9
+
+
+def test_soil_at_rest_and_an_implement_at_rest_have_none():
+    assert inertial_numbers(Frame(far_tool(0.1), sheared_lattice(0.0)), STIFFNESS, BULK).size == 0
+    assert inertial_numbers(Frame(far_tool(0.0), sheared_lattice(3.0)), STIFFNESS, BULK).size == 0
+
+
+def test_soil_that_carries_nothing_is_left_out():
+    loose = sheared_lattice(3.0)
+    apart = replace(loose, position=1.1 * loose.position)
+    assert inertial_numbers(Frame(far_tool(0.01), apart), STIFFNESS, BULK).size == 0
+
+
+@pytest.mark.parametrize(
+    ("attribute", "good", "bad"),
+    [
+        ("inertial_number_p95", 2e-3, 4e-3),
+        ("stiffness_ratio", 1500.0, 900.0),
+        ("overlap_p99", 0.005, 0.011),
+        ("steps_per_contact", 20.0, 15.0),
+    ],
+)
+def test_limits(attribute, good, bad):
+    (kept,), (broken,) = judge({attribute: good}), judge({attribute: bad})
+    assert kept.kept and not broken.kept
+    assert broken.advice.startswith("take ") and broken.limit
+
+
+def test_a_run_reports_every_quantity(tiny_wheel):
+    attributes = simulate(tiny_wheel).data.attrs
+    assert {quantity.attribute for quantity in QUANTITIES} <= set(attributes)
+    assert 0 < attributes["inertial_number_median"] < attributes["inertial_number_p95"]
+    assert attributes["overlap_mean"] < attributes["overlap_p99"] <= attributes["overlap_max"]
+    assert attributes["steps_per_contact"] >= tiny_wheel.contact.steps_per_contact
+    pressure, stiffness = attributes["mean_pressure"], tiny_wheel.contact.normal_stiffness
+    assert attributes["stiffness_ratio"] == pytest.approx(stiffness / pressure)
+    # The load on a contact about as long as a fifth to one radius.
+    load = tiny_wheel.implement.normal_load / tiny_wheel.implement.width
+    assert load / tiny_wheel.implement.radius < pressure < 5 * load / tiny_wheel.implement.radius

@@ -1,0 +1,1 @@
+"""Verification of the grain solver: what is known in closed form or published, against what it does."""
