@@ -261,7 +261,9 @@ def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> d
 
 def _complaint(error: ValidationError, source: str) -> str:
     """The first fault in one line: file, key, value, what is allowed."""
-    fault = error.errors(include_url=False)[0]
+    faults = error.errors(include_url=False)
+    # A misspelt key is told before the key that is missing because of it.
+    fault = min(faults, key=lambda one: one["type"] != "extra_forbidden")
     kind, value = fault["type"], fault["input"]
     keys = [str(part) for part in fault["loc"] if part not in _KINDS]
     if kind.startswith("union_tag"):  # a table's `kind`, before any other key is looked at

@@ -36,22 +36,36 @@ class Work:
     threads: int | None = None
 
 
-def simulate(run: RunFolder, scene: "Scene", *, work: Work, terminal: Terminal, resume: bool = True) -> None:
+def simulate(
+    run: RunFolder,
+    scene: "Scene",
+    *,
+    work: Work,
+    terminal: Terminal,
+    resume: bool = True,
+    overwrite: bool = False,
+) -> None:
     """Write `scene.toml`, `recording.nc` and `forces.csv`; say how sound the simulation is.
 
     Parameters
     ----------
     resume : bool
         Go on from the checkpoint of a run that was killed, if there is one; else start anew.
+    overwrite : bool
+        Replace the recording of another scene or seed.
 
     Raises
     ------
+    RunFolderError
+        The folder holds the recording of another scene or seed, and it may not be replaced.
     synth.dem.failures.SimulationError
         It had to stop; what was recorded until then is in `recording-stopped.nc`.
     """
     from synth.dem.checkpoint import remove_checkpoint
     from synth.dem.soundness import attributes_of
 
+    if not overwrite:
+        _refuse_other(run, scene)
     _adopt(run, scene)
     key = _simulate_key(scene)
     done = _skips(run, "simulate", key, terminal)
@@ -246,8 +260,7 @@ def score(run: RunFolder, material: Material, methods: Sequence[Method], *, term
     ScoreError
         There is no truth about the pictures, or a flow is not of them.
     """
-    if not material.has_truth:
-        raise ScoreError(f"{material.folder}: holds no truth.nc and sequence.toml: nothing to score against")
+    require_truth(material)
     analyses = {method.name: file_digest(run.analysis(method.slug)) for method in methods}
     if not run.scene.is_file():
         _label_as(run, material)
@@ -262,6 +275,18 @@ def score(run: RunFolder, material: Material, methods: Sequence[Method], *, term
     if not _skips(run, "score", key, terminal):
         _write_scores(run, key, material, methods, terminal)
     return Scores.read(run.scores)
+
+
+def require_truth(material: Material) -> None:
+    """Refuse, before long work is done, pictures that nothing is known about.
+
+    Raises
+    ------
+    ScoreError
+        There is no truth about them.
+    """
+    if not material.has_truth:
+        raise ScoreError(f"{material.folder}: holds no truth.nc and sequence.toml: nothing to score against")
 
 
 def _label_as(run: RunFolder, material: Material) -> None:
@@ -354,12 +379,26 @@ def methods_to_score(
     run: RunFolder, material: Material, asked: Sequence[Method], *, work: Work, terminal: Terminal
 ) -> list[Method]:
     """Choose the methods asked for, analyzed where needed; else all analyzed ones; else the default."""
+    require_truth(material)
     methods = list(asked) or analyzed_methods(run, material, terminal=terminal)
     if asked or not methods:
         methods = methods or [Method(DEFAULT)]
         for method in methods:
             analyze(run, material, method, work=work, terminal=terminal)
     return methods
+
+
+def _refuse_other(run: RunFolder, scene: "Scene") -> None:
+    """Keep hours of computing from being lost to a mistyped folder; pictures may be made anew."""
+    if not (run.recording.is_file() and run.scene.is_file()):
+        return
+    held = run_scene(run)
+    if held.simulation_hash != scene.simulation_hash:
+        quick = ", quick" if held.quick else ""
+        raise RunFolderError(
+            f"{run.path}: holds another simulation (scene {held.name!r}, seed {held.seed}{quick}): "
+            "choose another folder, or replace it with --overwrite"
+        )
 
 
 def _adopt(run: RunFolder, scene: "Scene") -> None:

@@ -39,6 +39,9 @@ Threads = Annotated[int | None, typer.Option(min=1, help="Default: every core.",
 Resume = Annotated[
     bool, typer.Option("--resume/--no-resume", help="Go on where a killed simulation left a checkpoint.")
 ]
+Overwrite = Annotated[
+    bool, typer.Option("--overwrite", help="Replace another scene's or seed's run that OUT holds.")
+]
 Device = Annotated[Literal["cpu", "cuda"], typer.Option(help="Where kernels run.")]
 Methods = Annotated[
     list[str] | None,
@@ -175,6 +178,7 @@ def simulate(
     quick: Quick = False,
     seed: Seed = None,
     resume: Resume = True,
+    overwrite: Overwrite = False,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -190,7 +194,7 @@ def simulate(
         chosen = load_scene(scene, quick=quick, seed=seed)
         with RunFolder.create(out) as run:
             work = chain.Work(device, threads)
-            chain.simulate(run, chosen, work=work, terminal=terminal, resume=resume)
+            chain.simulate(run, chosen, work=work, terminal=terminal, resume=resume, overwrite=overwrite)
             document = _step_document(run, "simulate")
     terminal.show(f"{run.recording}, {run.forces}")
     terminal.give(document)
@@ -310,6 +314,7 @@ def run(
     quick: Quick = False,
     seed: Seed = None,
     resume: Resume = True,
+    overwrite: Overwrite = False,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -328,7 +333,7 @@ def run(
         chain.require_methods(methods)
         chosen = load_scene(scene, quick=quick, seed=seed)
         with RunFolder.create(out) as folder:
-            chain.simulate(folder, chosen, work=work, terminal=terminal, resume=resume)
+            chain.simulate(folder, chosen, work=work, terminal=terminal, resume=resume, overwrite=overwrite)
             chain.render(folder, work=work, terminal=terminal)
             material = chain.footage_of(folder)
             for one in methods:
@@ -401,6 +406,8 @@ def _material(path: Path, out: Path | None, **scale: float | None) -> Iterator[t
     from validation.run_folder import RunFolder, is_run_folder
 
     chosen = results_folder(path, out)
+    if chosen != path and (chosen / "recording.nc").is_file():
+        raise typer.BadParameter(f"--out: {chosen} is the run folder of a simulation, not for other pictures")
     if is_run_folder(path):
         _refuse_scale(path, scale)
         with RunFolder.open(path) as source:

@@ -56,11 +56,14 @@ class Measured:
         End-point error, px, over true soil; NaN elsewhere and where not measured.
     missed : (H, W) bool array
         True soil that was not measured.
+    camera_u : float
+        Horizontal displacement by the camera's own motion, as the analysis found it, px.
     """
 
     motion: Motion
     error: np.ndarray
     missed: np.ndarray
+    camera_u: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +82,8 @@ class PairView:
         The (H, W) bool masks of `validation.strata`.
     measured : dict
         By method's name.
+    camera_u : float
+        True horizontal displacement by the camera's own motion, px.
     """
 
     pair: int
@@ -86,6 +91,7 @@ class PairView:
     truth: Motion
     strata: dict[str, np.ndarray]
     measured: dict[str, Measured]
+    camera_u: float
 
 
 def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]", pair: int) -> PairView:
@@ -104,7 +110,7 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
     for method in methods:
         with soft.read_soil_flow(run.analysis(method.slug)) as flow:
             measured[method.name] = _measured(flow.isel(pair=pair).load(), truth, here)
-    return PairView(pair, material.sequence[pair], motion, found.masks, measured)
+    return PairView(pair, material.sequence[pair], motion, found.masks, measured, found.camera_u)
 
 
 def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:
@@ -116,6 +122,5 @@ def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Meas
     error = end_point_error(
         flow["u"].values - truth["u"].values.astype(float), flow["v"].values - truth["v"].values.astype(float)
     )
-    return Measured(
-        motion, np.where(judged, error, np.nan), here & ~np.isfinite(np.where(judged, error, np.nan))
-    )
+    error = np.where(judged, error, np.nan)
+    return Measured(motion, error, here & ~np.isfinite(error), float(flow["camera_u"]))

@@ -218,7 +218,8 @@ def _method_panels(view: PairView, name: str, top: float, published: Mapping[str
     return [
         _panel(
             "Measured speed",
-            "As the analysis says: its own soil mask, its own camera motion; colours as for the truth.",
+            "As the analysis says: its own soil mask, colours as for the truth. The camera moved by "
+            f"{measured.camera_u:.2f} px by the analysis, by {view.camera_u:.2f} px in truth.",
             draw_speed(measured.motion, view.picture, top=top),
         ),
         _panel(

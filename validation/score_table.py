@@ -26,7 +26,7 @@ def score_table(scores: "Scores") -> "Table":
         ("pixels", "right"),
         ("measured", "right"),
     ):
-        table.add_column(column, justify=justify)  # type: ignore[arg-type]
+        table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
     for column in ("median px", "95 % px", *(f"> {bound} px" for bound in WRONG_ABOVE), "s/pair"):
         table.add_column(column, justify="right")
     for name, method in scores.methods.items():

@@ -93,10 +93,15 @@ def test_damage_is_repaired_and_only_that(softbed, finished_run, tiny_scene, tmp
     assert "simulate: done before" in error and "render: done before" in error
 
 
-def test_another_seed_is_done_again(softbed, finished_run, tiny_scene, tmp_path):
+def test_another_seed_is_done_again_if_that_is_meant(softbed, finished_run, tiny_scene, tmp_path):
     out = tmp_path / "out"
     shutil.copytree(finished_run, out)
+    before = tree(out)
     status, _, error = softbed("run", tiny_scene, out, "--seed", 7)
+    assert status == 2
+    assert_one_line(error, "holds another simulation", "seed 0", "--overwrite")
+    assert tree(out) == before
+    status, _, error = softbed("run", tiny_scene, out, "--seed", 7, "--overwrite")
     assert status == 0
     assert "render: what it depends on has changed: doing it again" in error
     assert json.loads((out / "scores.json").read_text())["seed"] == 7
@@ -131,7 +136,7 @@ def test_another_scene_in_the_same_folder_makes_the_old_footage_stale(softbed, f
     resolved = synth.load_scene(out / "scene.toml").to_dict()
     resolved["implement"]["rotation"] = 0.02
     (tmp_path / "other.toml").write_text(tomli_w.dumps(resolved))
-    assert softbed("simulate", tmp_path / "other.toml", out)[0] == 0
+    assert softbed("simulate", tmp_path / "other.toml", out, "--overwrite")[0] == 0
     status, _, error = softbed("score", out)
     assert status == 2
     assert_one_line(error, "render: what it depends on has changed", f"softbed render {out}")
