@@ -246,7 +246,7 @@ class Solver:
         left = _REBUILD_AT * self._skin - shift
         reach = max(speed * self.time_step * k.STEPS_PER_LAUNCH, 1e-9 * self._skin)
         self._unwatched, self._watch_after = 0, min(_MOST_UNWATCHED, max(1, int(0.5 * left / reach)))
-        if left < 0:
+        if left < reach:  # it would be too late after the next launch
             self._list_neighbours()
 
     def _tool_shift(self) -> float:
