@@ -40,7 +40,7 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
     """
     if device not in DEVICES:
         raise ValueError(f"device = {device!r}: allowed are {', '.join(DEVICES)}")
-    with _standard_output_to_error():
+    with standard_output_to_error():  # taichi greets there
         import taichi as ti
 
         if not _started(ti):
@@ -70,8 +70,8 @@ def _started(ti: Any) -> bool:
 
 
 @contextlib.contextmanager
-def _standard_output_to_error() -> Iterator[None]:
-    """Taichi greets on standard output, which belongs to results (`--json`)."""
+def standard_output_to_error() -> Iterator[None]:
+    """Send to standard error what even compiled code prints: standard output belongs to results."""
     sys.stdout.flush()
     kept = os.dup(1)
     try:

@@ -129,8 +129,7 @@ def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
     """
     import synth
 
-    scene = run_scene(run)
-    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    scene = _simulated_scene(run)
     _adopt(run, scene)
     key = _render_key(run, scene)
     if _skips(run, "render", key, terminal):
@@ -152,8 +151,7 @@ def export(run: RunFolder, *, terminal: Terminal) -> None:
     import synth
     from synth.dataset.export import export_vtk
 
-    scene = run_scene(run)
-    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    scene = _simulated_scene(run)
     digest = run.manifest.steps["simulate"].facts["digest"]
     key = key_of(step="export vtk", made_by=_made_by(), recording=digest, scene=scene.simulation_hash)
     if _skips(run, "export vtk", key, terminal):
@@ -176,10 +174,16 @@ def footage_of(run: RunFolder) -> Material:
     hint = f"softbed render {run.path}"
     if not run.scene.is_file():
         raise RunFolderError(f"{run.path}: no footage of its own: give the pictures' folder")
-    scene = run_scene(run)
-    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    scene = _simulated_scene(run)
     _require(run, "render", _render_key(run, scene), hint)
     return Material.open(run.footage)
+
+
+def _simulated_scene(run: RunFolder) -> "Scene":
+    """Read the scene of a run, and make sure that its recording is there and whole."""
+    scene = run_scene(run)
+    _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
+    return scene
 
 
 def run_scene(run: RunFolder) -> "Scene":

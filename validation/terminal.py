@@ -2,11 +2,12 @@
 
 import contextlib
 import json
-import os
 import sys
 import time
 from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
+
+from synth.devices import standard_output_to_error
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -59,7 +60,7 @@ class Terminal:
         if not self.json:
             yield
             return
-        with contextlib.redirect_stdout(sys.stderr), _descriptor_1_to_2():
+        with standard_output_to_error(), contextlib.redirect_stdout(sys.stderr):
             yield
 
     @contextlib.contextmanager
@@ -127,15 +128,3 @@ def duration(seconds: float) -> str:
     if whole < 3600:
         return f"{whole // 60} min {whole % 60} s"
     return f"{whole // 3600} h {whole % 3600 // 60} min"
-
-
-@contextlib.contextmanager
-def _descriptor_1_to_2() -> Iterator[None]:
-    sys.stdout.flush()
-    kept = os.dup(1)
-    try:
-        os.dup2(2, 1)
-        yield
-    finally:
-        os.dup2(kept, 1)
-        os.close(kept)
