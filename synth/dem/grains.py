@@ -49,6 +49,12 @@ class Grains:
         """Moment of inertia of a disc per metre of width, kg m, shape (N,)."""
         return 0.5 * self.mass * self.radius**2
 
+    def touching(self, pairs: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        """Those of the pairs (2, P) that are in contact, (2, K), and their overlaps, m, shape (K,)."""
+        (i, j), position = pairs, self.position
+        overlap = self.radius[i] + self.radius[j] - np.hypot(*(position[:, i] - position[:, j]))
+        return pairs[:, overlap > 0], overlap[overlap > 0]
+
     def only(self, chosen: np.ndarray) -> "Grains":
         """The chosen grains, by mask or in the order of indices."""
         return Grains(

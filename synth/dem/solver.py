@@ -151,11 +151,7 @@ class Solver:
     def contacts(self) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of grains in contact, shape (2, contacts), and their overlaps, m, shape (contacts,)."""
         assert self._neighbours is not None
-        pairs = self._neighbours.pairs
-        i, j = pairs
-        position, radius = self._motion.to_numpy()[0:2], self.grains.radius
-        overlap = radius[i] + radius[j] - np.hypot(*(position[:, i] - position[:, j]))
-        return pairs[:, overlap > 0], overlap[overlap > 0]
+        return self.read_grains().touching(self._neighbours.pairs)
 
     def save_state(self) -> dict[str, np.ndarray]:
         """All that decides how it goes on, bit by bit: `restore_state` on a new solver takes it up.

@@ -231,11 +231,8 @@ def _moving(frame: Frame) -> np.ndarray:
 
 def _contacts(grains: Grains) -> tuple[np.ndarray, np.ndarray]:
     """Pairs in contact (2, K), and their overlaps, m (K,)."""
-    position, radius = grains.position, grains.radius
-    pairs = cKDTree(position.T).query_pairs(2 * radius.max(), output_type="ndarray").T
-    i, j = pairs
-    overlap = radius[i] + radius[j] - np.hypot(*(position[:, i] - position[:, j]))
-    return pairs[:, overlap > 0], overlap[overlap > 0]
+    near = cKDTree(grains.position.T).query_pairs(2 * grains.radius.max(), output_type="ndarray")
+    return grains.touching(near.T)
 
 
 def _overlaps(grains: Grains) -> np.ndarray:
