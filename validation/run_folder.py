@@ -198,10 +198,6 @@ class RunFolder:
         manifest.scene, manifest.scene_hash, manifest.seed, manifest.quick = scene, scene_hash, seed, quick
         self._write_manifest()
 
-    def files_below(self, name: str) -> dict[str, str]:
-        """SHA-256 of every file below the folder `name`, as the manifest has them."""
-        return {path: digest for path, digest in self.manifest.files.items() if path.startswith(f"{name}/")}
-
     def _forget_files_of(self, step: str) -> None:
         for name in self.manifest.steps[step].files if step in self.manifest.steps else ():
             self.manifest.files.pop(name, None)
