@@ -8,13 +8,13 @@ metre of width; rotations counter-clockwise positive in the (x, z) plane. Import
 
 import taichi as ti
 
-# rows of `motion`
+# components of `motion`
 X, Z, VX, VZ, ANGLE, SPIN = range(6)
-# rows of `body`
+# components of `body`
 RADIUS, MASS, INERTIA = range(3)
-# columns of `pair_load`: force on the first grain, moments on both
+# components of `pair_load`: force on the first grain, moments on both
 PAIR_FX, PAIR_FZ, PAIR_M1, PAIR_M2 = range(4)
-# columns of `pair_memory` and `tool_memory`, and rows per wall of `wall_memory`
+# components of `pair_memory` and `tool_memory`, and of each wall in `wall_memory`
 SHEAR, ROLL = range(2)
 WALL_COUNT = 3
 # entries of `constants`, which do not change during a run
@@ -23,13 +23,13 @@ KN, KT, DAMPING_N, DAMPING_T, FRICTION, WALL_FRICTION, TOOL_FRICTION, ROLLING_FR
 )
 TIME_STEP, GRAVITY_X, GRAVITY_Z, WIDTH, DRAG = range(9, 14)
 CONSTANT_COUNT = 14
-# columns of `pair_body`: what a pair's two grains make together
+# components of `pair_body`: what a pair's two grains make together
 ROOT_MASS, REACH = range(2)
 # entries of `tool`: its pose and motion, what drives it, and the impulse the grains gave it since last asked
 TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_COS, TOOL_SIN, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(8)
 TOOL_MASS, TOOL_LOAD, TOOL_HEAVES, TOOL_PX, TOOL_PZ, TOOL_PM = range(8, 14)
 TOOL_SIZE = 14
-# columns of `parts`: the ends of a capsule in the tool's frame, its radius, and whether it continues another
+# components of `parts`: ends of a capsule in the tool's frame, its radius, whether it continues another
 PART_AX, PART_AZ, PART_BX, PART_BZ, PART_RADIUS, PART_CONTINUES = range(6)
 
 FAR = 1e30
@@ -37,12 +37,15 @@ FAR = 1e30
 STEPS_PER_LAUNCH = 8
 """A launch costs as much as a tenth of a step of 10 000 grains: several steps share one."""
 
+Two = ti.types.vector(2, ti.f64)
 Ref = ti.template()  # an array handed on to a function
-Pair = ti.types.vector(2, ti.f64)
 Row = ti.types.ndarray(ti.f64, ndim=1)
-Table = ti.types.ndarray(ti.f64, ndim=2)
 Index = ti.types.ndarray(ti.i32, ndim=1)
-IndexTable = ti.types.ndarray(ti.i32, ndim=2)
+
+
+def _rows(size, dtype=ti.f64):
+    """An array of records of so many numbers, each record in one piece of memory."""
+    return ti.types.ndarray(ti.types.vector(size, dtype), ndim=1)
 
 
 @ti.func
@@ -77,35 +80,36 @@ def pair_forces(
     p, constants: Ref, pairs: Ref, pair_body: Ref, motion: Ref, body: Ref, pair_memory: Ref, pair_load: Ref
 ):
     """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
-    i, j = pairs[0, p], pairs[1, p]
-    dx, dz = motion[X, j] - motion[X, i], motion[Z, j] - motion[Z, i]
-    ri, rj = body[RADIUS, i], body[RADIUS, j]
+    i, j = pairs[p][0], pairs[p][1]
+    dx, dz = motion[j][X] - motion[i][X], motion[j][Z] - motion[i][Z]
+    ri, rj = body[i][RADIUS], body[j][RADIUS]
     square = dx * dx + dz * dz
     fx, fz, moment_i, moment_j, spring, moment = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if square < (ri + rj) * (ri + rj):
         distance = ti.sqrt(square)
-        nx, nz = dx / distance, dz / distance
+        inverse = 1.0 / distance
+        nx, nz = dx * inverse, dz * inverse
         overlap = ri + rj - distance
         arm_i, arm_j = ri - 0.5 * overlap, rj - 0.5 * overlap
-        vx, vz = motion[VX, i] - motion[VX, j], motion[VZ, i] - motion[VZ, j]
-        wi, wj = motion[SPIN, i], motion[SPIN, j]
+        vx, vz = motion[i][VX] - motion[j][VX], motion[i][VZ] - motion[j][VZ]
+        wi, wj = motion[i][SPIN], motion[j][SPIN]
         normal, shear, moment, spring = contact(
             overlap,
             vx * nx + vz * nz,
             vz * nx - vx * nz + wi * arm_i + wj * arm_j,
             wi - wj,
-            pair_body[p, ROOT_MASS],
-            pair_body[p, REACH],
+            pair_body[p][ROOT_MASS],
+            pair_body[p][REACH],
             constants[FRICTION],
-            pair_memory[p, SHEAR],
-            pair_memory[p, ROLL],
+            pair_memory[p][SHEAR],
+            pair_memory[p][ROLL],
             constants,
         )
         fx, fz = -normal * nx - shear * nz, -normal * nz + shear * nx
         moment_i, moment_j = shear * arm_i + moment, shear * arm_j - moment
-    pair_load[p, PAIR_FX], pair_load[p, PAIR_FZ] = fx, fz
-    pair_load[p, PAIR_M1], pair_load[p, PAIR_M2] = moment_i, moment_j
-    pair_memory[p, SHEAR], pair_memory[p, ROLL] = spring, moment
+    pair_load[p][PAIR_FX], pair_load[p][PAIR_FZ] = fx, fz
+    pair_load[p][PAIR_M1], pair_load[p][PAIR_M2] = moment_i, moment_j
+    pair_memory[p][SHEAR], pair_memory[p][ROLL] = spring, moment
 
 
 @ti.func
@@ -129,15 +133,15 @@ def boundary_force(
     (nx, nz) points from the grain into the boundary, whose surface moves at (surface_x, surface_z) where they
     touch, and turns at `spin`.
     """
-    arm = body[RADIUS, i] - 0.5 * overlap
-    vx, vz = motion[VX, i] - surface_x, motion[VZ, i] - surface_z
+    arm = body[i][RADIUS] - 0.5 * overlap
+    vx, vz = motion[i][VX] - surface_x, motion[i][VZ] - surface_z
     normal, tangential, moment, spring = contact(
         overlap,
         vx * nx + vz * nz,
-        vz * nx - vx * nz + motion[SPIN, i] * arm,
-        motion[SPIN, i] - spin,
-        ti.sqrt(body[MASS, i]),
-        body[RADIUS, i],
+        vz * nx - vx * nz + motion[i][SPIN] * arm,
+        motion[i][SPIN] - spin,
+        ti.sqrt(body[i][MASS]),
+        body[i][RADIUS],
         friction,
         shear,
         roll,
@@ -151,7 +155,7 @@ def boundary_force(
 def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
     """Force and moment of floor, left and right wall on grain `i`."""
     total = ti.Vector([0.0, 0.0, 0.0])
-    r, x, z = body[RADIUS, i], motion[X, i], motion[Z, i]
+    r, x, z = body[i][RADIUS], motion[i][X], motion[i][Z]
     overlaps = ti.Vector([r - z, r - x, x + r - constants[WIDTH]])
     for wall in ti.static(range(WALL_COUNT)):
         spring, moment = 0.0, 0.0
@@ -165,15 +169,15 @@ def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
                 0.0,
                 0.0,
                 constants[WALL_FRICTION],
-                memory[2 * wall + SHEAR, i],
-                memory[2 * wall + ROLL, i],
+                memory[i][2 * wall + SHEAR],
+                memory[i][2 * wall + ROLL],
                 constants,
                 motion,
                 body,
             )
             total += ti.Vector([fx, fz, turning])
-        memory[2 * wall + SHEAR, i] = spring
-        memory[2 * wall + ROLL, i] = moment
+        memory[i][2 * wall + SHEAR] = spring
+        memory[i][2 * wall + ROLL] = moment
     return total
 
 
@@ -184,14 +188,14 @@ def nearest_on_part(part, x, z, tool: Ref, parts: Ref):
     # the grain in the tool's frame
     dx, dz = x - tool[TOOL_X], z - tool[TOOL_Z]
     px, pz = cosine * dx + sine * dz, -sine * dx + cosine * dz
-    ax, az = parts[part, PART_AX], parts[part, PART_AZ]
-    ex, ez = parts[part, PART_BX] - ax, parts[part, PART_BZ] - az
+    ax, az = parts[part][PART_AX], parts[part][PART_AZ]
+    ex, ez = parts[part][PART_BX] - ax, parts[part][PART_BZ] - az
     length = ex * ex + ez * ez
     along = 0.0
     if length > 0.0:
         along = ti.max(0.0, ti.min(1.0, ((px - ax) * ex + (pz - az) * ez) / length))
     qx, qz = ax + along * ex, az + along * ez
-    foreign = along == 0.0 and parts[part, PART_CONTINUES] != 0.0
+    foreign = along == 0.0 and parts[part][PART_CONTINUES] != 0.0
     return tool[TOOL_X] + cosine * qx - sine * qz, tool[TOOL_Z] + sine * qx + cosine * qz, foreign
 
 
@@ -210,15 +214,15 @@ def tool_force(
 ):
     """Force and moment on grain `i` of its tool contact `c`; what the tool feels goes to `reaction`."""
     part = tool_parts[c]
-    x, z = motion[X, i], motion[Z, i]
+    x, z = motion[i][X], motion[i][Z]
     qx, qz, foreign = nearest_on_part(part, x, z, tool, parts)
     dx, dz = qx - x, qz - z
-    square, reach = dx * dx + dz * dz, body[RADIUS, i] + parts[part, PART_RADIUS]
+    square, reach = dx * dx + dz * dz, body[i][RADIUS] + parts[part][PART_RADIUS]
     fx, fz, turning, moment, spring, about_axle = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if square < reach * reach and square > 0.0 and not foreign:
         distance = ti.sqrt(square)
         nx, nz, overlap = dx / distance, dz / distance, reach - distance
-        arm = body[RADIUS, i] - 0.5 * overlap
+        arm = body[i][RADIUS] - 0.5 * overlap
         # where they touch, seen from the tool's reference point
         lx, lz = x + arm * nx - tool[TOOL_X], z + arm * nz - tool[TOOL_Z]
         fx, fz, turning, moment, spring = boundary_force(
@@ -230,15 +234,15 @@ def tool_force(
             tool[TOOL_VZ] + tool[TOOL_SPIN] * lx,
             tool[TOOL_SPIN],
             constants[TOOL_FRICTION],
-            memory[c, SHEAR],
-            memory[c, ROLL],
+            memory[c][SHEAR],
+            memory[c][ROLL],
             constants,
             motion,
             body,
         )
         about_axle = lz * fx - lx * fz - moment
-    memory[c, SHEAR], memory[c, ROLL] = spring, moment
-    reaction[c, 0], reaction[c, 1], reaction[c, 2] = -fx, -fz, about_axle
+    memory[c][SHEAR], memory[c][ROLL] = spring, moment
+    reaction[c][0], reaction[c][1], reaction[c][2] = -fx, -fz, about_axle
     return ti.Vector([fx, fz, turning])
 
 
@@ -266,39 +270,36 @@ def move_grain(
     if near_wall[i] != 0:
         load = wall_forces(i, constants, motion, body, wall_memory)
     for c in range(first_contact[i], first_contact[i + 1]):
-        p = contacts[c] // 2
-        if contacts[c] % 2 == 0:
-            load[0] += pair_load[p, PAIR_FX]
-            load[1] += pair_load[p, PAIR_FZ]
-            load[2] += pair_load[p, PAIR_M1]
-        else:
-            load[0] -= pair_load[p, PAIR_FX]
-            load[1] -= pair_load[p, PAIR_FZ]
-            load[2] += pair_load[p, PAIR_M2]
+        p, end = contacts[c] >> 1, contacts[c] & 1
+        sign = 1.0 - 2.0 * end
+        load[0] += sign * pair_load[p][PAIR_FX]
+        load[1] += sign * pair_load[p][PAIR_FZ]
+        load[2] += pair_load[p][PAIR_M1 + end]
     near = near_tool[i]
     if near >= 0:
         for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
             load += tool_force(i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction)
-    dt, mass, drag = constants[TIME_STEP], body[MASS, i], constants[DRAG]
-    motion[VX, i] += dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[VX, i])
-    motion[VZ, i] += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[VZ, i])
-    motion[SPIN, i] += dt * (load[2] / body[INERTIA, i] - drag * motion[SPIN, i])
-    motion[X, i] += dt * motion[VX, i]
-    motion[Z, i] += dt * motion[VZ, i]
-    motion[ANGLE, i] += dt * motion[SPIN, i]
+    dt, mass, drag = constants[TIME_STEP], body[i][MASS], constants[DRAG]
+    motion[i][VX] += dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[i][VX])
+    motion[i][VZ] += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[i][VZ])
+    motion[i][SPIN] += dt * (load[2] / body[i][INERTIA] - drag * motion[i][SPIN])
+    motion[i][X] += dt * motion[i][VX]
+    motion[i][Z] += dt * motion[i][VZ]
+    motion[i][ANGLE] += dt * motion[i][SPIN]
 
 
 @ti.func
-def move_tool(dt, tool: Ref, reaction: Ref, tool_contact_count):
+def move_tool(constants: Ref, tool: Ref, reaction: Ref, tool_contact_count):
     """Sum what the grains do to the implement, in a fixed order; then one step of its motion.
 
     It travels and turns as it is told, and rises and sinks as it is told, or under its load.
     """
+    dt = constants[TIME_STEP]
     fx, fz, moment = 0.0, 0.0, 0.0
     for c in range(tool_contact_count):
-        fx += reaction[c, 0]
-        fz += reaction[c, 1]
-        moment += reaction[c, 2]
+        fx += reaction[c][0]
+        fz += reaction[c][1]
+        moment += reaction[c][2]
     tool[TOOL_PX] += dt * fx
     tool[TOOL_PZ] += dt * fz
     tool[TOOL_PM] += dt * moment
@@ -317,28 +318,35 @@ def advance(
     grain_count: ti.i32,
     pair_count: ti.i32,
     tool_contact_count: ti.i32,
-    motion: Table,
-    body: Table,
-    pairs: IndexTable,
-    pair_body: Table,
-    pair_memory: Table,
-    pair_load: Table,
+    motion: _rows(6),
+    body: _rows(3),
+    pairs: _rows(2, ti.i32),
+    pair_body: _rows(2),
+    pair_memory: _rows(2),
+    pair_load: _rows(4),
     first_contact: Index,
     contacts: Index,
     near_wall: Index,
-    wall_memory: Table,
+    wall_memory: _rows(2 * WALL_COUNT),
     near_tool: Index,
     first_tool_contact: Index,
     tool: Row,
-    parts: Table,
+    parts: _rows(6),
     tool_parts: Index,
-    tool_memory: Table,
-    reaction: Table,
+    tool_memory: _rows(2),
+    reaction: _rows(3),
 ):
-    """So many steps in one launch, unrolled: each loop below is a parallel task of its own."""
-    for _ in ti.static(range(steps)):
-        for p in range(pair_count):
-            pair_forces(p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
+    """So many steps in one launch, unrolled: each loop below is a parallel task of its own.
+
+    A task costs as much as a few hundred pairs, so the implement takes its step beside the pairs of the next
+    one, which do not ask where it is; after the last, it has a task of its own.
+    """
+    for step in ti.static(range(steps)):
+        for p in range(pair_count + ti.static(int(step > 0))):
+            if p < pair_count:
+                pair_forces(p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
+            else:
+                move_tool(constants, tool, reaction, tool_contact_count)
         for i in range(grain_count):
             move_grain(
                 i,
@@ -358,23 +366,23 @@ def advance(
                 tool_memory,
                 reaction,
             )
-        ti.loop_config(serialize=True)
-        for _only in range(1):
-            move_tool(constants[TIME_STEP], tool, reaction, tool_contact_count)
+    ti.loop_config(serialize=True)
+    for _only in range(1):
+        move_tool(constants, tool, reaction, tool_contact_count)
 
 
 @ti.kernel
-def greatest_shift_and_speed(grain_count: ti.i32, motion: Table, listed: Table) -> Pair:
+def greatest_shift_and_speed(grain_count: ti.i32, motion: _rows(6), listed: _rows(2)) -> Two:
     """Greatest squared distance (m2) of a grain from where it was when its neighbours were listed, and speed.
 
     A grain that is no longer a number counts as infinitely far.
     """
     shift, speed = 0.0, 0.0
     for i in range(grain_count):
-        dx, dz = motion[X, i] - listed[0, i], motion[Z, i] - listed[1, i]
+        dx, dz = motion[i][X] - listed[i][X], motion[i][Z] - listed[i][Z]
         square = dx * dx + dz * dz
         if not square < FAR:
             square = FAR
         ti.atomic_max(shift, square)
-        ti.atomic_max(speed, motion[VX, i] * motion[VX, i] + motion[VZ, i] * motion[VZ, i])
-    return Pair(shift, speed)
+        ti.atomic_max(speed, motion[i][VX] * motion[i][VX] + motion[i][VZ] * motion[i][VZ])
+    return ti.Vector([shift, speed])

@@ -62,10 +62,11 @@ class Solver:
         self._ti: Any = ti
         grains = self.grains
         self._skin = SKIN * 2 * float(grains.radius.mean())
-        state = np.concatenate([grains.position, grains.velocity, [grains.angle], [grains.spin]])
-        self._motion = self._array(state)
-        self._body = self._array(np.stack([grains.radius, grains.mass, grains.inertia]))
-        self._wall_memory = self._array(np.zeros((6, grains.count)))
+        self._motion = self._array(
+            np.column_stack([grains.position.T, grains.velocity.T, grains.angle, grains.spin])
+        )
+        self._body = self._array(np.column_stack([grains.radius, grains.mass, grains.inertia]))
+        self._wall_memory = self._array(np.zeros((grains.count, 6)))
         self._tool = self._array(_tool_row(self.tool))
         self._parts = self._array(_part_rows(self.tool))
         self._constants = self._array(self._constants_row())
@@ -145,7 +146,7 @@ class Solver:
 
     def read_grains(self) -> Grains:
         """The grains as they are now."""
-        motion = self._motion.to_numpy()
+        motion = self._motion.to_numpy().T
         return Grains(motion[0:2], motion[2:4], motion[4], motion[5], self.grains.radius, self.grains.density)
 
     def contacts(self) -> tuple[np.ndarray, np.ndarray]:
@@ -183,7 +184,7 @@ class Solver:
         for name in _SAVED_ARRAYS:
             setattr(self, f"_{name}", self._array(state[name]))
         self._pair_body = self._array(_pair_body(self.grains, self._neighbours.pairs))
-        self._pairs = self._array(self._neighbours.pairs)
+        self._pairs = self._array(self._neighbours.pairs.T)
         self._first_contact = self._array(self._neighbours.first_contact)
         self._contacts = self._array(self._neighbours.contacts)
         self._near_tool = self._array(self._tool_contacts.near_tool)
@@ -250,17 +251,17 @@ class Solver:
 
     def _blow_up(self) -> str:
         listed = self._listed.to_numpy()
-        shift = np.nan_to_num(np.hypot(*(self._motion.to_numpy()[0:2] - listed)), nan=np.inf)
+        shift = np.nan_to_num(np.hypot(*(self._motion.to_numpy()[:, 0:2] - listed).T), nan=np.inf)
         worst = int(shift.argmax())
-        x, z = listed[:, worst]
+        x, z = listed[worst]
         far = f"{shift[worst]:.3g} m" if np.isfinite(shift[worst]) else "beyond any number"
         step = f"{self.time_step:.3g} s"
         return f"grain {worst} moved {far} in a few steps of {step}, from x = {x:.4g} m, z = {z:.4g} m"
 
     def _list_neighbours(self) -> None:
-        position = self._motion.to_numpy()[0:2]
+        position = self._motion.to_numpy().T[0:2]
         self._unwatched, self._watch_after = 0, 1
-        self._listed = self._array(position)
+        self._listed = self._array(position.T)
         self._list_pairs(position)
         self._list_tool_contacts(position)
         reach, (x, z) = self.grains.radius + self._skin, position
@@ -273,7 +274,7 @@ class Solver:
         if old is not None:
             memory = carry_memory(old.keys, self._pair_memory.to_numpy()[: old.keys.size], new.keys)
         self._neighbours = new
-        self._pairs = self._array(new.pairs)
+        self._pairs = self._array(new.pairs.T)
         self._pair_body = self._array(_pair_body(self.grains, new.pairs))
         self._pair_memory = self._array(memory)
         self._pair_load = self._array(np.zeros((new.keys.size, 4)))
@@ -313,10 +314,14 @@ class Solver:
         return row
 
     def _array(self, values: np.ndarray) -> Any:
-        """Values on the device, with at least one record: there are no empty arrays there."""
-        if 0 in values.shape:
-            values = np.zeros([max(1, size) for size in values.shape], values.dtype)
-        array = self._ti.ndarray(self._ti.i32 if values.dtype == np.int32 else self._ti.f64, values.shape)
+        """Values (n,), or records (n, k), on the device; at least one: there are no empty arrays there."""
+        if len(values) == 0:
+            values = np.zeros((1, *values.shape[1:]), values.dtype)
+        kind = self._ti.i32 if values.dtype == np.int32 else self._ti.f64
+        if values.ndim == 1:
+            array = self._ti.ndarray(kind, values.shape)
+        else:
+            array = self._ti.Vector.ndarray(values.shape[1], kind, len(values))
         array.from_numpy(np.ascontiguousarray(values))
         return array
 
