@@ -16,6 +16,8 @@ SKIN = 0.3
 """Thickness of the neighbour list's skin / mean grain diameter."""
 _REBUILD_AT = 0.4
 """Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
+_SPARE = 1.1
+"""Room of arrays whose length changes / what they have to hold."""
 _MOST_UNWATCHED = 16
 """Launches between two looks at how far grains have moved, at most."""
 
@@ -73,8 +75,19 @@ class Solver:
         self._neighbours: NeighbourList | None = None
         self._listed_tool: Tool | None = None
         self._tool_contacts = ToolContacts.none(grains.count)
+        self._listed = self._array(grains.position.T)
+        self._near_wall = self._array(np.zeros(grains.count, np.int32))
+        self._pairs: Any = None
+        self._pair_body: Any = None
         self._pair_memory: Any = None
+        self._pair_load: Any = None
+        self._first_contact: Any = None
+        self._contacts: Any = None
+        self._near_tool: Any = None
+        self._first_tool_contact: Any = None
+        self._tool_parts: Any = None
         self._tool_memory = self._array(np.zeros((1, 2)))
+        self._reaction: Any = None
         self._unwatched, self._watch_after = 0, 1
         self._list_neighbours()
 
@@ -183,13 +196,7 @@ class Solver:
         )
         for name in _SAVED_ARRAYS:
             setattr(self, f"_{name}", self._array(state[name]))
-        self._pair_body = self._array(_pair_body(self.grains, self._neighbours.pairs))
-        self._pairs = self._array(self._neighbours.pairs.T)
-        self._first_contact = self._array(self._neighbours.first_contact)
-        self._contacts = self._array(self._neighbours.contacts)
-        self._near_tool = self._array(self._tool_contacts.near_tool)
-        self._first_tool_contact = self._array(self._tool_contacts.first_contact)
-        self._tool_parts = self._array(self._tool_contacts.parts)
+        self._put_lists_on_device()
         if self.tool is not None:
             x, z, angle = state["listed_tool"].tolist()
             self._listed_tool = replace(self.read_tool(), x=x, z=z, angle=angle)
@@ -261,12 +268,13 @@ class Solver:
     def _list_neighbours(self) -> None:
         position = self._motion.to_numpy().T[0:2]
         self._unwatched, self._watch_after = 0, 1
-        self._listed = self._array(position.T)
+        self._listed.from_numpy(np.ascontiguousarray(position.T))
         self._list_pairs(position)
         self._list_tool_contacts(position)
+        self._put_lists_on_device()
         reach, (x, z) = self.grains.radius + self._skin, position
         near_wall = (z < reach) | (x < reach) | (x > self.width - reach)
-        self._near_wall = self._array(near_wall.astype(np.int32))
+        self._near_wall.from_numpy(near_wall.astype(np.int32))
 
     def _list_pairs(self, position: np.ndarray) -> None:
         old, new = self._neighbours, list_neighbours(position, self.grains.radius, self._skin)
@@ -274,12 +282,8 @@ class Solver:
         if old is not None:
             memory = carry_memory(old.keys, self._pair_memory.to_numpy()[: old.keys.size], new.keys)
         self._neighbours = new
-        self._pairs = self._array(new.pairs.T)
-        self._pair_body = self._array(_pair_body(self.grains, new.pairs))
-        self._pair_memory = self._array(memory)
-        self._pair_load = self._array(np.zeros((new.keys.size, 4)))
-        self._first_contact = self._array(new.first_contact)
-        self._contacts = self._array(new.contacts)
+        self._pair_memory = self._refilled(self._pair_memory, memory)
+        self._pair_load = self._refilled(self._pair_load, np.zeros((new.keys.size, 4)))
 
     def _list_tool_contacts(self, position: np.ndarray) -> None:
         old, new = self._tool_contacts, ToolContacts.none(self.grains.count)
@@ -289,11 +293,20 @@ class Solver:
             new = list_tool_contacts(self.grains, position, self._listed_tool, self._skin)
         memory = carry_memory(old.keys, self._tool_memory.to_numpy()[: old.keys.size], new.keys)
         self._tool_contacts = new
-        self._near_tool = self._array(new.near_tool)
-        self._first_tool_contact = self._array(new.first_contact)
-        self._tool_parts = self._array(new.parts)
-        self._tool_memory = self._array(memory)
-        self._reaction = self._array(np.zeros((new.keys.size, 3)))
+        self._tool_memory = self._refilled(self._tool_memory, memory)
+        self._reaction = self._refilled(self._reaction, np.zeros((new.keys.size, 3)))
+
+    def _put_lists_on_device(self) -> None:
+        """What follows from the lists of pairs and of contacts with the implement."""
+        assert self._neighbours is not None
+        pairs, contacts = self._neighbours, self._tool_contacts
+        self._pairs = self._refilled(self._pairs, pairs.pairs.T)
+        self._pair_body = self._refilled(self._pair_body, _pair_body(self.grains, pairs.pairs))
+        self._first_contact = self._refilled(self._first_contact, pairs.first_contact)
+        self._contacts = self._refilled(self._contacts, pairs.contacts)
+        self._near_tool = self._refilled(self._near_tool, contacts.near_tool)
+        self._first_tool_contact = self._refilled(self._first_tool_contact, contacts.first_contact)
+        self._tool_parts = self._refilled(self._tool_parts, contacts.parts)
 
     def _constants_row(self) -> np.ndarray:
         from synth.dem import kernels as k
@@ -314,15 +327,29 @@ class Solver:
         return row
 
     def _array(self, values: np.ndarray) -> Any:
-        """Values (n,), or records (n, k), on the device; at least one: there are no empty arrays there."""
-        if len(values) == 0:
-            values = np.zeros((1, *values.shape[1:]), values.dtype)
+        """Values (n,), or records (n, k), on the device, in an array of just that length."""
         kind = self._ti.i32 if values.dtype == np.int32 else self._ti.f64
         if values.ndim == 1:
             array = self._ti.ndarray(kind, values.shape)
         else:
             array = self._ti.Vector.ndarray(values.shape[1], kind, len(values))
         array.from_numpy(np.ascontiguousarray(values))
+        return array
+
+    def _refilled(self, array: Any, values: np.ndarray) -> Any:
+        """Values in an array that is there, or in a new one where that is too short.
+
+        The device never takes memory back before the process ends, so arrays whose length changes have room
+        to spare and are filled again; there are no empty ones. What is beyond the values is zero.
+        """
+        room = 0 if array is None else array.shape[0]
+        if room < len(values) or room == 0:
+            room = int(_SPARE * len(values)) + 1
+        padded = np.zeros((room, *values.shape[1:]), values.dtype)
+        padded[: len(values)] = values
+        if array is None or array.shape[0] != room:
+            return self._array(padded)
+        array.from_numpy(padded)
         return array
 
 
@@ -348,6 +375,6 @@ def _tool_row(tool: Tool | None) -> np.ndarray:
 def _part_rows(tool: Tool | None) -> np.ndarray:
     """Capsules of the implement in the columns that the kernels read, shape (C, 6)."""
     if tool is None:
-        return np.zeros((0, 6))
+        return np.zeros((1, 6))
     shape = tool.shape
     return np.column_stack([shape.start, shape.end, shape.radius, shape.continues])
