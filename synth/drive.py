@@ -6,7 +6,7 @@ from typing import Annotated, Literal
 import numpy as np
 from pydantic import Field
 
-from synth.implements import Bucket, GrouserWheel, RigidWheel
+from synth.implements import Implement, RigidWheel
 from synth.table import Table
 
 _RAMP_SHARE = 0.2
@@ -71,7 +71,7 @@ class Rolling(Table):
         """Horizontal speed of the axle, m/s (paper, Eq. 1 solved for it)."""
         return self.rim_speed * (1 - self.slip)
 
-    def program(self, implement: "RigidWheel | GrouserWheel | Bucket") -> Program:
+    def program(self, implement: Implement) -> Program:
         """Touch down while already rolling, then constant speed."""
         wheel = _wheel(implement, self.kind)
         full = (self.carriage_speed, 0.0, -self.rim_speed / wheel.radius, 1.0)
@@ -96,7 +96,7 @@ class Pushing(Table):
     rest: float = Field(ge=0, description="s at rest under the load before the push")
     rolled_in: float = Field(default=0.0, ge=0, description="m rolled, without slip, before it rests")
 
-    def program(self, implement: "RigidWheel | GrouserWheel | Bucket") -> Program:
+    def program(self, implement: Implement) -> Program:
         """Load, roll in if asked, rest, push from time 0."""
         wheel = _wheel(implement, self.kind)
         ramp = 0.1 * self.loading
@@ -120,7 +120,7 @@ class Cutting(Table):
     start: float = Field(gt=0, description="m, reference point's distance from the left end wall at first")
     run_in: float = Field(gt=0, description="m of travel before the first frame")
 
-    def program(self, implement: "RigidWheel | GrouserWheel | Bucket") -> Program:
+    def program(self, implement: Implement) -> Program:
         """Go down over the first half of the run-in, moving forward all the time."""
         duration = self.run_in / self.speed
         down = (self.speed, -self.depth / (0.5 * duration))
@@ -133,7 +133,7 @@ Drive = Annotated[Rolling | Pushing | Cutting, Field(discriminator="kind")]
 """How an implement can be driven."""
 
 
-def _wheel(implement: "RigidWheel | GrouserWheel | Bucket", drive: str) -> "RigidWheel | GrouserWheel":
+def _wheel(implement: Implement, drive: str) -> RigidWheel:
     if not isinstance(implement, RigidWheel):
         raise ValueError(f"drive.kind = {drive!r} needs a wheel, got implement.kind = {implement.kind!r}")
     return implement

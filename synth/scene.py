@@ -21,6 +21,8 @@ GRAVITY = 9.81
 
 _PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor"}
 _LABELS = {"name", "description", "quick"}
+_LONGEST_SHOWN = 80
+"""Characters of a value that a complaint shows."""
 
 
 class SceneError(ValueError):
@@ -169,19 +171,25 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
         tables["quick"] = overrides
     elif overrides is not None:
         smaller = {**_merged(tables, overrides, path, "quick"), "quick": True}
-        parse_scene(
-            smaller, source=f"{path}: with [quick]"
-        )  # faults in there are told at once, asked for or not
+        # faults in there are told at once, asked for or not
+        parse_scene(smaller, source=f"{path}: with [quick]", folder=path.parent)
         tables = smaller if quick else tables
     if quick and not tables.get("quick"):
         raise SceneError(f"{path}: quick: this scene has no [quick] table")
     if seed is not None:
         tables["seed"] = seed
-    return parse_scene(tables, source=str(path))
+    return parse_scene(tables, source=str(path), folder=path.parent)
 
 
-def parse_scene(tables: dict[str, Any], *, source: str = "scene") -> Scene:
-    """Check the tables of a scene and resolve its soil; `source` stands in front of every complaint.
+def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | Path = ".") -> Scene:
+    """Check the tables of a scene; resolve its soil, and an STL to its outline.
+
+    Parameters
+    ----------
+    source : str
+        Stands in front of every complaint.
+    folder : str or Path
+        Where files that the scene names are.
 
     Raises
     ------
@@ -191,6 +199,9 @@ def parse_scene(tables: dict[str, Any], *, source: str = "scene") -> Scene:
     soil = tables.get("soil")
     if isinstance(soil, str):
         tables = {**tables, "soil": _load_soil(soil, source)}
+    implement = tables.get("implement")
+    if isinstance(implement, dict) and implement.get("kind") == "stl":
+        tables = {**tables, "implement": _cut_stl(implement, source, Path(folder))}
     try:
         return _SCENE.validate_python(tables)
     except ValidationError as error:
@@ -249,6 +260,18 @@ def _load_soil(name: str, source: str) -> dict[str, Any]:
     return _read_toml(scenes_folder() / "soils" / f"{name}.toml")
 
 
+def _cut_stl(table: dict[str, Any], source: str, folder: Path) -> dict[str, Any]:
+    """The table of the outline that an STL's table stands for: a resolved scene needs no other file."""
+    from synth.implements.stl import Stl, StlError
+
+    try:
+        return Stl.model_validate(table).outlined(folder)
+    except ValidationError as error:
+        raise SceneError(_complaint(error, source, within="implement")) from None
+    except StlError as error:
+        raise SceneError(f"{source}: implement.{error}") from None
+
+
 def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> dict[str, Any]:
     if not isinstance(overrides, dict):
         raise SceneError(f"{path}: {where} = {overrides!r}: a table is needed")
@@ -259,19 +282,19 @@ def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> d
     return merged
 
 
-def _complaint(error: ValidationError, source: str) -> str:
+def _complaint(error: ValidationError, source: str, *, within: str = "") -> str:
     """The first fault in one line: file, key, value, what is allowed."""
     faults = error.errors(include_url=False)
     # A misspelt key is told before the key that is missing because of it.
     fault = min(faults, key=lambda one: one["type"] != "extra_forbidden")
     kind, value = fault["type"], fault["input"]
-    keys = [str(part) for part in fault["loc"] if part not in _KINDS]
+    keys = [within] * bool(within) + [str(part) for part in fault["loc"] if part not in _KINDS]
     if kind.startswith("union_tag"):  # a table's `kind`, before any other key is looked at
         return f"{source}: {'.'.join([*keys, 'kind'])}{_kind_complaint(kind, fault)}"
     key = ".".join(keys) or "scene"
     if kind == "missing":
         return f"{source}: {key}: missing"
-    shown = "" if isinstance(value, dict) else f" = {value!r}"
+    shown = "" if isinstance(value, dict) else f" = {_shortened(repr(value))}"
     said = "unknown key" if kind == "extra_forbidden" else fault["msg"].removeprefix("Value error, ")
     return f"{source}: {key}{shown}: {said}"
 
@@ -280,7 +303,12 @@ def _kind_complaint(kind: str, fault: Any) -> str:
     if kind == "union_tag_not_found":
         return ": missing"
     context = fault["ctx"]
-    return f" = {context['tag']!r}: allowed are {context['expected_tags']}"
+    more = ", 'stl'" if "'outline'" in context["expected_tags"] else ""
+    return f" = {context['tag']!r}: allowed are {context['expected_tags']}{more}"
+
+
+def _shortened(text: str) -> str:
+    return text if len(text) <= _LONGEST_SHOWN else f"{text[:_LONGEST_SHOWN]}..."
 
 
 def _digest(tables: dict[str, Any]) -> str:

@@ -23,8 +23,9 @@ class ImplementFace:
         Its reference point (a wheel's axle), px.
     angle : float
         From x towards y of the picture, rad.
-    parts : (C, 5) float64
-        Its capsules, as they stand: both ends from the reference point, and the radius, px.
+    parts : (C, 6) float64
+        Its capsules, as they stand: both ends from the reference point, and the radius, px; then 1 for an
+        edge of a closed outline, else 0.
     wheel_radius : float
         px; 0 for what is no wheel and has a plain side.
     """
@@ -77,4 +78,4 @@ def _parts_in_view(shape: Shape, at: tuple[float, float], view: View) -> "np.nda
 
     axle = np.array(view.to_image(*at))
     ends = [np.stack(view.to_image(*(points + at).T), axis=1) - axle for points in (shape.start, shape.end)]
-    return np.column_stack([*ends, view.length_to_image(shape.radius)])
+    return np.column_stack([*ends, view.length_to_image(shape.radius), shape.closed])

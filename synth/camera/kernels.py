@@ -89,8 +89,11 @@ def cover_by_grains(
 
 @ti.func
 def _away(off_x, off_y, parts: ti.template()):
-    """Distance of a point, given from the reference point, to the nearest of an implement's capsules, px."""
-    nearest = ti.math.inf
+    """Distance of a point, given from the reference point, to the nearest of an implement's capsules, px.
+
+    Not positive inside of a closed outline, which a line from there crosses an odd number of times.
+    """
+    nearest, inside = ti.math.inf, False
     for c in range(parts.shape[0]):
         ex, ey = parts[c, 2] - parts[c, 0], parts[c, 3] - parts[c, 1]
         px, py = off_x - parts[c, 0], off_y - parts[c, 1]
@@ -100,7 +103,9 @@ def _away(off_x, off_y, parts: ti.template()):
             along = ti.max(0.0, ti.min(1.0, (px * ex + py * ey) / length))
         dx, dy = px - along * ex, py - along * ey
         nearest = ti.min(nearest, ti.sqrt(dx * dx + dy * dy) - parts[c, 4])
-    return nearest
+        if parts[c, 5] != 0.0 and (py < 0.0) != (py < ey) and px < py / ey * ex:
+            inside = not inside
+    return -ti.abs(nearest) if inside else nearest
 
 
 @ti.kernel

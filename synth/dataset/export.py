@@ -24,7 +24,8 @@ def export_vtk(
     """Write grains and implement for ParaView: open `grains.pvd` and `implement.pvd`.
 
     One `.vtp` a frame. Grains are points with `radius` (m), `velocity` (m/s, in laboratory time) and `angle`
-    (rad); the implement is the outline of each of its capsules. World frame: x along the bin, z up, y = 0.
+    (rad); the implement is the outline of each of its capsules, or the edges of a solid. World frame: x along
+    the bin, z up, y = 0.
 
     Parameters
     ----------
@@ -66,11 +67,15 @@ def _write_grains(path: Path, recording: Recording, frame: int) -> None:
 
 def _write_implement(path: Path, recording: Recording, frame: int, shape: Shape) -> None:
     state = recording.data.isel(frame=frame)
-    outlines = capsule_outlines(shape.turned(float(state["implement_angle"])))
-    x, z = outlines.reshape(-1, 2).T
+    shape = shape.turned(float(state["implement_angle"]))
+    around = capsule_outlines(shape.only(~shape.closed))
+    edges = np.stack([shape.start, shape.end], axis=1)[shape.closed]
+    x, z = np.concatenate([around.reshape(-1, 2), edges.reshape(-1, 2)]).T
     points = _in_world(x + float(state["implement_x"]), z + float(state["implement_z"]))
-    index = np.arange(len(points)).reshape(outlines.shape[:2])
-    write_polydata(path, points, lines=list(np.concatenate([index, index[:, :1]], axis=1)))
+    index = np.arange(len(points))
+    ring = index[: around[..., 0].size].reshape(around.shape[:2])
+    lines = [*np.concatenate([ring, ring[:, :1]], axis=1), *index[ring.size :].reshape(-1, 2)]
+    write_polydata(path, points, lines=lines)
 
 
 def capsule_outlines(shape: Shape) -> np.ndarray:

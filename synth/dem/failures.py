@@ -74,7 +74,9 @@ def check(solver: "Solver", scene: SoilBinScene, start: "Tool") -> float:
     grains = solver.read_grains()
     check_numbers(grains)
     check_bin(grains, scene, start)
-    check_implement(solver.read_tool(), scene, start)
+    tool = solver.read_tool()
+    check_implement(tool, scene, start)
+    check_inside(grains, tool, scene)
     pairs, overlap = solver.contacts()
     diameter = 2 * float(grains.radius.mean())
     check_overlaps(grains, pairs, overlap / diameter, scene)
@@ -140,6 +142,21 @@ def check_implement(tool: "Tool", scene: SoilBinScene, start: "Tool") -> None:
         raise SimulationError(
             f"{where} has run into an end wall",
             f"take bed.width (now {bed.width:g} m) higher, or the travel shorter",
+        )
+
+
+def check_inside(grains: "Grains", tool: "Tool", scene: SoilBinScene) -> None:
+    """Stop where a grain's centre is inside a solid implement, whose edges would then draw it further in."""
+    if not tool.shape.closed.any():
+        return
+    offset = grains.position.T - (tool.x, tool.z)
+    near = np.flatnonzero(np.hypot(*offset.T) < tool.shape.reach)
+    inside = near[tool.shape.turned(tool.angle).encloses(offset[near])]
+    if inside.size:
+        raise SimulationError(
+            f"{_grain(grains, int(inside[0]))} is inside the implement",
+            f"take contact.normal_stiffness higher (now {scene.contact.normal_stiffness:g} N/m per m), "
+            "or timing.speed_up lower",
         )
 
 

@@ -104,7 +104,9 @@ def _touching_down(scene: SoilBinScene, grains: Grains) -> Tool:
     position, radius = grains.position[:, below].T, grains.radius[below]
 
     def clear(z: float) -> bool:
-        return bool((shape.distance_to_capsules(position - (start, z)) > radius[:, None]).all())
+        offset = position - (start, z)
+        apart = (shape.distance_to_capsules(offset) > radius[:, None]).all()
+        return bool(apart and not shape.encloses(offset).any())
 
     low, high = 0.0, scene.bed.depth + shape.reach + scene.bed.grain_diameter
     while high - low > 1e-3 * scene.bed.grain_diameter:

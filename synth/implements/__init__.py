@@ -5,11 +5,23 @@ from typing import Annotated
 from pydantic import Field
 
 from synth.implements.bucket import Bucket
+from synth.implements.outline import Outline, OutlineWheel
 from synth.implements.plate import Plate
 from synth.implements.rigid_wheel import GrouserWheel, RigidWheel
 from synth.implements.shape import Shape
 
-Implement = Annotated[RigidWheel | GrouserWheel | Bucket, Field(discriminator="kind")]
+Implement = Annotated[
+    RigidWheel | GrouserWheel | Bucket | Outline | OutlineWheel, Field(discriminator="kind")
+]
 """What can work in a soil bin."""
 
-__all__ = ["Bucket", "GrouserWheel", "Implement", "Plate", "RigidWheel", "Shape"]
+__all__ = [
+    "Bucket",
+    "GrouserWheel",
+    "Implement",
+    "Outline",
+    "OutlineWheel",
+    "Plate",
+    "RigidWheel",
+    "Shape",
+]

@@ -21,12 +21,19 @@ class Shape:
         m.
     continues : ndarray of bool, shape (C,)
         The capsule starts where another one ends: that point is touched through the other one.
+    closed : ndarray of bool, shape (C,), optional
+        The capsule is an edge of a closed outline, whose inside is solid. Default: none is.
     """
 
     start: np.ndarray
     end: np.ndarray
     radius: np.ndarray
     continues: np.ndarray
+    closed: np.ndarray = None  # type: ignore[assignment]
+
+    def __post_init__(self) -> None:
+        if self.closed is None:
+            object.__setattr__(self, "closed", np.zeros(self.radius.size, bool))
 
     @classmethod
     def disc(cls, radius: float) -> "Shape":
@@ -40,6 +47,16 @@ class Shape:
         count = len(points) - 1
         return cls(points[:-1], points[1:], np.full(count, radius), np.arange(count) > 0)
 
+    @classmethod
+    def outline(cls, points: np.ndarray) -> "Shape":
+        """A solid with the corners `points` (K, 2), m, without repeating the first one at the end.
+
+        Its edges are capsules without thickness: a grain's surface touches them where the solid's is.
+        """
+        points = np.asarray(points, float)
+        whole = np.ones(len(points), bool)
+        return cls(points, np.roll(points, -1, axis=0), np.zeros(len(points)), whole, whole.copy())
+
     def joined(self, other: "Shape") -> "Shape":
         """Both shapes as one implement."""
         return Shape(
@@ -47,7 +64,13 @@ class Shape:
             np.concatenate([self.end, other.end]),
             np.concatenate([self.radius, other.radius]),
             np.concatenate([self.continues, other.continues]),
+            np.concatenate([self.closed, other.closed]),
         )
+
+    def only(self, chosen: np.ndarray) -> "Shape":
+        """The chosen capsules, by mask."""
+        columns = (self.start, self.end, self.radius, self.continues, self.closed)
+        return Shape(*(column[chosen] for column in columns))
 
     def distance_to_capsules(self, points: np.ndarray) -> np.ndarray:
         """Distance of points (n, 2) of the implement's frame to every capsule, m, negative inside: (n, C)."""
@@ -56,6 +79,15 @@ class Shape:
         offset = points[:, None, :] - self.start
         share = np.clip((offset * along).sum(axis=2) / length, 0, 1)
         return np.hypot(*np.moveaxis(offset - share[:, :, None] * along, 2, 0)) - self.radius
+
+    def encloses(self, points: np.ndarray) -> np.ndarray:
+        """Whether points (n, 2) of the implement's frame are inside a closed outline: bool, shape (n,)."""
+        start, end = self.start[self.closed], self.end[self.closed]
+        x, z = np.asarray(points, float).T[:, :, None]
+        across = (start[:, 1] > z) != (end[:, 1] > z)
+        rise = np.where(start[:, 1] == end[:, 1], 1.0, end[:, 1] - start[:, 1])
+        crossing = start[:, 0] + (z - start[:, 1]) / rise * (end[:, 0] - start[:, 0])
+        return (across & (x < crossing)).sum(axis=1) % 2 == 1
 
     @property
     def reach(self) -> float:

@@ -6,9 +6,17 @@ import numpy as np
 import pytest
 
 from synth import simulate
-from synth.dem.failures import SimulationError, check_bin, check_implement, check_numbers, check_overlaps
+from synth.dem.failures import (
+    SimulationError,
+    check_bin,
+    check_implement,
+    check_inside,
+    check_numbers,
+    check_overlaps,
+)
 from synth.dem.grains import Grains
 from synth.dem.tool import Tool
+from synth.implements import Shape
 from synth.scene import parse_scene
 
 
@@ -71,6 +79,17 @@ def test_grains_in_each_other(grains, tiny_wheel):
 def test_stuck_implement(wheel, tiny_wheel, pose, words):
     with pytest.raises(SimulationError, match=words):
         check_implement(replace(wheel, **pose), tiny_wheel, wheel)
+
+
+def test_a_grain_inside_a_solid_implement(grains, tiny_wheel):
+    solid = Tool(Shape.outline(np.array([[0, 0], [0.02, 0], [0.02, 0.01], [0, 0.01]])), x=0.065, z=0.02)
+    check_inside(grains, solid, tiny_wheel)
+    with pytest.raises(SimulationError, match=r"grain 1 at x = 0.07 m, z = 0.025 m is inside the implement"):
+        check_inside(moved(grains, 1, 0.07, 0.025), solid, tiny_wheel)
+    turned = replace(solid, angle=np.pi / 2)  # now from 0.055 to 0.065 m, and up to 0.04 m
+    check_inside(moved(grains, 1, 0.07, 0.025), turned, tiny_wheel)
+    with pytest.raises(SimulationError, match="is inside the implement"):
+        check_inside(moved(grains, 1, 0.06, 0.035), turned, tiny_wheel)
 
 
 def test_what_was_recorded_comes_with_the_error(tiny_wheel):
