@@ -60,6 +60,23 @@ VARIABLES = {
         "moment of the soil about the axle, counter-clockwise positive: resists driving",
     ),
 }
+# Where a scene asks for them (`timing.record_contacts`): a ragged array, frame after frame.
+CONTACT_VARIABLES = {
+    "contact_count": (("frame",), "1", "number of the frame's contacts between particles"),
+    "contact_first": (("contact",), "1", "index of the contact's first particle"),
+    "contact_second": (("contact",), "1", "index of its second particle, greater than that of the first"),
+    "contact_normal_force": (
+        ("contact",),
+        "N m-1",
+        "with which the two push each other apart, per metre of width",
+    ),
+    "contact_tangential_force": (
+        ("contact",),
+        "N m-1",
+        "on the first particle, along the line from first to second turned counter-clockwise by a quarter; "
+        "per metre of width",
+    ),
+}
 FORCE_COLUMNS = {
     "time": "sample_time",
     "travel": "travel",
@@ -81,7 +98,8 @@ class Recording:
     Attributes
     ----------
     data : xarray.Dataset
-        The variables of `VARIABLES`, over `frame`, `particle` and `sample`. Attributes: `schema_version`,
+        The variables of `VARIABLES`, over `frame`, `particle` and `sample`; and, or not, those of
+        `CONTACT_VARIABLES`, over `frame` and `contact`. Attributes: `schema_version`,
         `simulation_hash`, `surface_height` (m), `solid_fraction`, and what the simulator reports of its own
         soundness (`synth.dem.soundness`): `inertial_number_median`, `inertial_number_p95`, `mean_pressure`
         (Pa, under the implement), `stiffness_ratio` (contact stiffness / mean pressure), `overlap_mean`,
@@ -96,12 +114,15 @@ class Recording:
         """Name, unit and meaning to every array; a variable that is missing or unknown is an error."""
         import xarray as xr
 
-        if set(arrays) != set(VARIABLES):
-            raise ValueError(f"variables missing or unknown: {sorted(set(arrays) ^ set(VARIABLES))}")
-        variables = {
+        known = VARIABLES | (CONTACT_VARIABLES if "contact_count" in arrays else {})
+        if set(arrays) != set(known):
+            raise ValueError(f"variables missing or unknown: {sorted(set(arrays) ^ set(known))}")
+        variables: dict[str, Any] = {
             name: (dims, arrays[name], {"units": unit, "long_name": meaning})
-            for name, (dims, unit, meaning) in VARIABLES.items()
+            for name, (dims, unit, meaning) in known.items()
         }
+        if "contact_count" in variables:  # as the CF conventions say which dimension is ragged
+            variables["contact_count"][2]["sample_dimension"] = "contact"
         return cls(xr.Dataset(variables, attrs={"schema_version": SCHEMA_VERSION, **attributes}))
 
     @classmethod
@@ -142,6 +163,15 @@ class Recording:
             writer.writerow(columns)
             writer.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))
 
+    def contacts(self, frame: int) -> "xr.Dataset | None":
+        """The forces between particles at a frame, over `contact`; None where they were not recorded."""
+        if "contact_count" not in self.data:
+            return None
+        count = self.data["contact_count"].values
+        start = int(count[:frame].sum())
+        names = [name for name, (dims, _, _) in CONTACT_VARIABLES.items() if dims == ("contact",)]
+        return self.data[names].isel(contact=slice(start, start + int(count[frame])))
+
     @property
     def frame_count(self) -> int:
         """Number of recorded frames."""
@@ -149,10 +179,11 @@ class Recording:
 
     @property
     def digest(self) -> str:
-        """SHA-256 over the values of every variable, in the order of `VARIABLES`, hexadecimal."""
+        """SHA-256 over the values of every variable, in the order above, hexadecimal."""
         import hashlib
 
         digest = hashlib.sha256()
-        for name in VARIABLES:
-            digest.update(self.data[name].values.tobytes())
+        for name in VARIABLES | CONTACT_VARIABLES:
+            if name in self.data:
+                digest.update(self.data[name].values.tobytes())
         return digest.hexdigest()

@@ -63,6 +63,7 @@ class Timing(Table):
     speed_up: float = Field(
         default=1.0, gt=0, le=100, description="simulated / laboratory speed (quasi-static)"
     )
+    record_contacts: bool = Field(default=False, description="record the forces between grains at frames")
 
 
 class _Scene(Table):

@@ -21,11 +21,15 @@ def export_vtk(
     *,
     progress: Callable[[int, int], None] | None = None,
 ) -> None:
-    """Write grains and implement for ParaView: open `grains.pvd` and `implement.pvd`.
+    """Write grains and implement for ParaView: open `grains.pvd` and `implement.pvd`; and `contacts.pvd`.
 
     One `.vtp` a frame. Grains are points with `radius` (m), `velocity` (m/s, in laboratory time) and `angle`
     (rad); the implement is the outline of each of its capsules, or the edges of a solid. World frame: x along
     the bin, z up, y = 0.
+
+    Where the recording has the forces between grains, they are lines from centre to centre with
+    `normal_force` (pushes apart) and `tangential_force`, N per metre of width, and `force`, the vector on the
+    second grain.
 
     Parameters
     ----------
@@ -39,14 +43,18 @@ def export_vtk(
     """
     if not isinstance(scene, SoilBinScene):
         raise ValueError(f"{scene.name}: kind = {scene.kind!r}: there are no grains to export")
-    count = recording.frame_count
+    count, subjects = recording.frame_count, ["grains", "implement"]
+    if recording.contacts(0) is not None:
+        subjects.append("contacts")
     for frame in range(count):
         _write_grains(folder / _name("grains", frame), recording, frame)
         _write_implement(folder / _name("implement", frame), recording, frame, scene.implement.shape)
+        if "contacts" in subjects:
+            _write_contacts(folder / _name("contacts", frame), recording, frame)
         if progress is not None:
             progress(frame + 1, count)
     times = recording.data["time"].values
-    for subject in ("grains", "implement"):
+    for subject in subjects:
         write_series(folder / f"{subject}.pvd", times, [_name(subject, frame) for frame in range(count)])
 
 
@@ -76,6 +84,20 @@ def _write_implement(path: Path, recording: Recording, frame: int, shape: Shape)
     ring = index[: around[..., 0].size].reshape(around.shape[:2])
     lines = [*np.concatenate([ring, ring[:, :1]], axis=1), *index[ring.size :].reshape(-1, 2)]
     write_polydata(path, points, lines=lines)
+
+
+def _write_contacts(path: Path, recording: Recording, frame: int) -> None:
+    contacts, state = recording.contacts(frame), recording.data.isel(frame=frame)
+    assert contacts is not None
+    pairs = np.stack([contacts["contact_first"].values, contacts["contact_second"].values], axis=1)
+    ends = _in_world(state["position_x"].values[pairs.ravel()], state["position_z"].values[pairs.ravel()])
+    normal, tangential = (contacts[f"contact_{name}_force"].values for name in ("normal", "tangential"))
+    branch = ends[1::2] - ends[::2]
+    branch /= np.linalg.norm(branch, axis=1, keepdims=True)
+    tangent = np.stack([-branch[:, 2], branch[:, 1], branch[:, 0]], axis=1)
+    force = normal[:, None] * branch - tangential[:, None] * tangent
+    forces = {"normal_force": normal, "tangential_force": tangential, "force": force}
+    write_polydata(path, ends, lines=list(np.arange(len(ends)).reshape(-1, 2)), cell_data=forces)
 
 
 def capsule_outlines(shape: Shape) -> np.ndarray:

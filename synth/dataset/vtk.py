@@ -20,6 +20,7 @@ def write_polydata(
     *,
     point_data: Mapping[str, np.ndarray] | None = None,
     lines: Iterable[np.ndarray] | None = None,
+    cell_data: Mapping[str, np.ndarray] | None = None,
 ) -> None:
     """Write points, or lines through them.
 
@@ -32,6 +33,8 @@ def write_polydata(
         Named values.
     lines : iterable of ndarray of int, optional
         Indices of the points along each line; without, every point stands for itself.
+    cell_data : dict of ndarray, shape (lines,) or (lines, 3)
+        Named values of the lines.
     """
     root = _root("PolyData")
     cells = [np.array([index]) for index in range(len(points))] if lines is None else list(lines)
@@ -43,9 +46,10 @@ def write_polydata(
     cell = ElementTree.SubElement(piece, kind)
     _add_array(cell, "connectivity", np.concatenate([np.zeros(0, int), *cells]))
     _add_array(cell, "offsets", np.cumsum([len(indices) for indices in cells], dtype=int))
-    data = ElementTree.SubElement(piece, "PointData")
-    for name, values in (point_data or {}).items():
-        _add_array(data, name, values)
+    for kind, arrays in (("PointData", point_data), ("CellData", cell_data)):
+        data = ElementTree.SubElement(piece, kind)
+        for name, values in (arrays or {}).items():
+            _add_array(data, name, values)
     _write(root, path)
 
 

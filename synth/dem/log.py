@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from synth.dem.contacts import Contacts
 from synth.dem.grains import Grains
 from synth.dem.solver import Solver
 from synth.dem.tool import Tool
@@ -66,22 +67,26 @@ class Schedule:
 
 @dataclass(frozen=True)
 class Frame:
-    """The states of implement and grains at one moment, in simulated time."""
+    """The states of implement and grains at one moment, in simulated time; contacts where wanted."""
 
     tool: Tool
     grains: Grains
+    contacts: Contacts | None = None
 
     def to_arrays(self) -> dict[str, np.ndarray]:
         """What `of_arrays` makes the same frame from, given any other frame of the run."""
         tool, grains = self.tool, self.grains
         pose = [tool.x, tool.z, tool.angle, tool.velocity_x, tool.velocity_z, tool.spin, tool.load]
-        return {
+        arrays = {
             "tool": np.array(pose),
             "position": grains.position,
             "velocity": grains.velocity,
             "angle": grains.angle,
             "spin": grains.spin,
         }
+        if self.contacts is not None:
+            arrays |= {f"contact_{name}": array for name, array in vars(self.contacts).items()}
+        return arrays
 
     @classmethod
     def of_arrays(cls, arrays: dict[str, np.ndarray], tool: Tool, grains: Grains) -> "Frame":
@@ -96,7 +101,10 @@ class Frame:
             grains.radius,
             grains.density,
         )
-        return cls(replace(tool, **pose), moved)
+        contacts = None
+        if "contact_pairs" in arrays:
+            contacts = Contacts(*(arrays[f"contact_{name}"] for name in ("pairs", "normal", "tangential")))
+        return cls(replace(tool, **pose), moved, contacts)
 
 
 class RunLog:
@@ -139,8 +147,9 @@ class RunLog:
         )
 
     def frame(self, solver: Solver) -> None:
-        """Record the states of grains and implement."""
-        self.frames.append(Frame(solver.read_tool(), solver.read_grains()))
+        """Record the states of grains and implement, and the forces between grains if the scene wants."""
+        contacts = solver.pair_forces() if self._scene.timing.record_contacts else None
+        self.frames.append(Frame(solver.read_tool(), solver.read_grains(), contacts))
 
     def restore(self, samples: np.ndarray, frames: list[dict[str, np.ndarray]], overlap: float) -> None:
         """Take up what a run had collected: samples (S, 7), frames as `Frame.to_arrays` gave them."""
@@ -151,13 +160,26 @@ class RunLog:
     def recording(self, attributes: Mapping[str, float | str]) -> Recording:
         """Everything collected, as a recording."""
         hashes = {"simulation_hash": self._scene.simulation_hash}
-        arrays = {**self._frame_arrays(), **self.sample_arrays()}
+        arrays = {**self._frame_arrays(), **self._contact_arrays(), **self.sample_arrays()}
         return Recording.from_arrays(arrays, {**hashes, **attributes})
 
     def sample_arrays(self) -> dict[str, np.ndarray]:
         """Records of force by name, each of shape (S,)."""
         columns = np.array(self.samples, dtype=np.float64).reshape(-1, len(_SAMPLE)).T
         return dict(zip(_SAMPLE, columns, strict=True))
+
+    def _contact_arrays(self) -> dict[str, np.ndarray]:
+        """Forces between grains of all frames, one after the other; nothing where none are recorded."""
+        if not self._scene.timing.record_contacts:
+            return {}
+        contacts = [frame.contacts or Contacts.none() for frame in self.frames] or [Contacts.none()]
+        return {
+            "contact_count": np.array([one.normal.size for one in contacts[: len(self.frames)]], np.int64),
+            "contact_first": np.concatenate([one.pairs[0] for one in contacts]),
+            "contact_second": np.concatenate([one.pairs[1] for one in contacts]),
+            "contact_normal_force": np.concatenate([one.normal for one in contacts]),
+            "contact_tangential_force": np.concatenate([one.tangential for one in contacts]),
+        }
 
     def _frame_arrays(self) -> dict[str, np.ndarray]:
         slow = 1 / self._scene.timing.speed_up

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 
 from synth.dem.contact_law import ContactLaw
+from synth.dem.contacts import Contacts
 from synth.dem.failures import SimulationError
 from synth.dem.grains import Grains
 from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours, neighbour_list_of
@@ -89,6 +90,7 @@ class Solver:
         self._tool_memory = self._array(np.zeros((1, 2)))
         self._reaction: Any = None
         self._unwatched, self._watch_after = 0, 1
+        self._last_loads: tuple[np.ndarray, Any] | None = None
         self._list_neighbours()
 
     def advance(self, steps: int) -> None:
@@ -167,6 +169,14 @@ class Solver:
         assert self._neighbours is not None
         return self.read_grains().touching(self._neighbours.pairs)
 
+    def pair_forces(self) -> Contacts:
+        """The forces between grains in the last time step; none before the first."""
+        if self._last_loads is None:
+            return Contacts.none()
+        pairs, load = self._last_loads
+        force = load.to_numpy()[: pairs.shape[1], :2]
+        return Contacts.of_forces(self._motion.to_numpy()[0:2], pairs, force)
+
     def save_state(self) -> dict[str, np.ndarray]:
         """All that decides how it goes on, bit by bit: `restore_state` on a new solver takes it up.
 
@@ -205,6 +215,8 @@ class Solver:
         from synth.dem import kernels as k
 
         assert self._neighbours is not None
+        # Neighbours may be listed anew after this launch, which forgets the loads.
+        self._last_loads = self._neighbours.pairs, self._pair_load
         k.advance(
             steps,
             self._constants,

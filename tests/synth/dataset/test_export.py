@@ -9,6 +9,7 @@ import pytest
 from synth import load_scene, simulate
 from synth.dataset.export import capsule_outlines, export_vtk
 from synth.implements import Shape
+from synth.scene import parse_scene
 
 TYPES = {"Float64": "<f8", "Int64": "<i8"}
 
@@ -67,6 +68,41 @@ def test_series_lists_every_frame_with_its_time(exported):
         entries = [entry.attrib for entry in ElementTree.parse(folder / f"{subject}.pvd").iter("DataSet")]
         assert [float(entry["timestep"]) for entry in entries] == data.time.values.tolist()
         assert all((folder / entry["file"]).is_file() for entry in entries)
+
+
+def test_contacts_are_lines_with_their_forces(tiny_wheel, tmp_path):
+    tables = tiny_wheel.to_dict()
+    tables["timing"]["record_contacts"] = True
+    scene = parse_scene(tables)
+    recording = simulate(scene)
+    export_vtk(recording, scene, tmp_path)
+    arrays, counts = read_arrays(tmp_path / "contacts-000002.vtp")
+    contacts, state = recording.contacts(2), recording.data.isel(frame=2)
+    count = contacts.sizes["contact"]
+    assert counts == {"NumberOfPoints": 2 * count, "NumberOfLines": count}
+    np.testing.assert_array_equal(arrays["Points"][::2, 0], state.position_x.values[contacts.contact_first])
+    np.testing.assert_array_equal(arrays["Points"][1::2, 2], state.position_z.values[contacts.contact_second])
+    np.testing.assert_array_equal(arrays["normal_force"], contacts.contact_normal_force)
+    np.testing.assert_array_equal(arrays["tangential_force"], contacts.contact_tangential_force)
+    magnitude = np.hypot(contacts.contact_normal_force, contacts.contact_tangential_force)
+    np.testing.assert_allclose(np.linalg.norm(arrays["force"], axis=1), magnitude)
+    along = arrays["Points"][1::2] - arrays["Points"][::2]
+    assert ((arrays["force"] * along).sum(axis=1)[contacts.contact_normal_force.values > 0] > 0).all()
+    assert len(list(ElementTree.parse(tmp_path / "contacts.pvd").iter("DataSet"))) == recording.frame_count
+
+
+def test_a_solid_is_exported_by_its_edges(tiny_wheel, tmp_path):
+    points = [[0.0, 0.0], [0.02, 0.0], [0.02, 0.01]]
+    implement = {"kind": "outline", "width": 0.05, "points": points}
+    drive = {"kind": "cutting", "speed": 0.01, "depth": 0.005, "start": 0.05, "run_in": 0.01}
+    scene = parse_scene({**tiny_wheel.to_dict(), "implement": implement, "drive": drive})
+    recording = simulate(scene)
+    export_vtk(recording, scene, tmp_path)
+    arrays, counts = read_arrays(tmp_path / "implement-000001.vtp")
+    assert counts == {"NumberOfPoints": 6, "NumberOfLines": 3}
+    np.testing.assert_array_equal(arrays["connectivity"].reshape(3, 2), [[0, 1], [2, 3], [4, 5]])
+    at = [float(recording.data[f"implement_{axis}"][1]) for axis in "xz"]
+    np.testing.assert_allclose(arrays["Points"][::2][:, [0, 2]] - at, points, atol=1e-12)
 
 
 def test_outline_lies_on_the_capsules():
