@@ -13,6 +13,7 @@ from typing import Annotated, Any, Literal
 
 import typer
 
+from validation.studies import STUDIES, find_study
 from validation.terminal import Terminal
 
 CHECK_FAILED = 1
@@ -179,6 +180,13 @@ def simulate(
     seed: Seed = None,
     resume: Resume = True,
     overwrite: Overwrite = False,
+    convergence: Annotated[
+        bool,
+        typer.Option(
+            "--convergence",
+            help="Also at half speed-up, doubled box, halved step, another seed: OUT/convergence.",
+        ),
+    ] = False,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -196,7 +204,16 @@ def simulate(
             work = chain.Work(device, threads)
             chain.simulate(run, chosen, work=work, terminal=terminal, resume=resume, overwrite=overwrite)
             document = _step_document(run, "simulate")
+        if convergence:
+            from validation.studies.convergence import BASE
+
+            place = out / "convergence"
+            document["convergence"] = _carry_out(
+                "convergence", chosen, place, given={BASE: out}, resume=resume, work=work, terminal=terminal
+            )
     terminal.show(f"{run.recording}, {run.forces}")
+    if convergence:
+        _show_study(document["convergence"], place, terminal)
     terminal.give(document)
 
 
@@ -396,6 +413,57 @@ def bench(
         )
     terminal.show(bench_table(f"bench {name}, {workers} threads", rows))
     terminal.give(bench_document(name, rows, threads=workers, device="cpu"))
+
+
+@app.command()
+def study(
+    name: Annotated[
+        str,
+        typer.Argument(
+            metavar="NAME", help="; ".join(f"[b]{name}[/b]: {about}" for name, about in STUDIES.items())
+        ),
+    ],
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="The study's folder; every run is in OUT/runs.")],
+    scene: Annotated[
+        str | None,
+        typer.Option("--scene", metavar="SCENE", help="Start from this scene.", show_default=False),
+    ] = None,
+    quick: Quick = False,
+    seed: Seed = None,
+    resume: Resume = True,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Run a scene several times with something changed: OUT/NAME.csv, NAME.png and a line of conclusion.
+
+    Carried out again, it does only what is missing.
+    """
+    from synth import load_scene
+    from validation import chain
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        chosen = load_scene(scene or find_study(name).scene, quick=quick, seed=seed)
+        work = chain.Work(device, threads)
+        document = _carry_out(name, chosen, out, quick=quick, resume=resume, work=work, terminal=terminal)
+    _show_study(document, out, terminal)
+    terminal.give(document)
+
+
+def _carry_out(name: str, *arguments: Any, **options: Any) -> dict[str, Any]:
+    from validation.studies.carry_out import carry_out
+
+    return carry_out(name, find_study(name), *arguments, **options)
+
+
+def _show_study(document: dict[str, Any], out: Path, terminal: Terminal) -> None:
+    from validation.studies.carry_out import study_table
+
+    terminal.show(study_table(document))
+    terminal.show(document["conclusion"])
+    terminal.show(f"{out / document['study']}.csv, .png, .json")
 
 
 @contextmanager

@@ -1,0 +1,166 @@
+"""Studies measure what they say, on flows that are known."""
+
+import json
+
+import numpy as np
+import pytest
+
+from synth import Recording, load_scene
+from synth.recording import VARIABLES
+from validation.studies import STUDIES, find_study
+from validation.studies.flow_field import Window, mean_flow
+from validation.studies.grain_size import band_width, band_widths
+from validation.studies.grouser_spacing import by_phase, flux_ahead, largest_spacing, least_count
+
+SPACING = 1e-3
+SURFACE = 0.1
+SPEED = 0.008
+
+
+def lattice_recording(field, *, frames=5, implement_z=0.2, travel=SPEED, rate=8.0):
+    """Grains of 2 mm on a lattice 0.4 m x 0.1 m that move by `field(x - implement's x, z)`, m/s."""
+    x, z = (one.ravel() for one in np.meshgrid(np.arange(0, 0.4, 2e-3), np.arange(1e-3, SURFACE, 2e-3)))
+    sizes = {"frame": frames, "particle": x.size, "sample": 1}
+    arrays = {name: np.zeros([sizes[d] for d in dims]) for name, (dims, _, _) in VARIABLES.items()}
+    time = np.arange(frames) / rate
+    arrays["time"], arrays["implement_x"] = time, 0.2 + travel * time
+    arrays["implement_z"][:], arrays["radius"][:] = implement_z, 1e-3
+    for frame in range(frames):
+        arrays["position_x"][frame], arrays["position_z"][frame] = x, z
+        u, w = field(x - arrays["implement_x"][frame] - travel / rate / 2, z)
+        x, z = x + u / rate, z + w / rate
+    solid = np.pi / 4
+    return Recording.from_arrays(arrays, {"surface_height": SURFACE, "solid_fraction": solid})
+
+
+def test_every_study_is_found_by_its_name():
+    for name in STUDIES:
+        study = find_study(name)
+        assert study.scene in ("rolling_wheel", "grouser_wheel") and study.columns
+    with pytest.raises(ValueError, match="study 'weather': allowed are grain-size, "):
+        find_study("weather")
+
+
+@pytest.mark.parametrize("quick", [False, True])
+@pytest.mark.parametrize("name", STUDIES)
+def test_cases_are_scenes_with_folders_of_their_own(name, quick):
+    study = find_study(name)
+    cases = study.cases(load_scene(study.scene, quick=quick), quick=quick)
+    assert len({case.label for case in cases}) == len({case.scene.simulation_hash for case in cases}) >= 3
+
+
+def test_mean_flow_is_a_linear_field_and_its_shear_rate():
+    recording = lattice_recording(lambda x, z: (0.05 * (z - 0.05) + 0.02 * x, -0.02 * (z - 0.05)))
+    field = mean_flow(recording, Window(-0.05, 0.05, -0.09, -0.01), spacing=SPACING, kernel=2e-3)
+    assert (field.x[0], field.z[-1]) == pytest.approx((-0.0495, -0.0105))
+    # Positions drift by less than a grain in these four steps; a window's edge has no grain beyond.
+    height = field.z[10:-10, None] + SURFACE - 0.05
+    np.testing.assert_allclose(
+        field.velocity[0][10:-10], 0.05 * height + 0.02 * field.x + 0 * height, atol=5e-5
+    )
+    np.testing.assert_allclose(field.shear_rate[15:-15, 15:-15].mean(), np.hypot(0.04, 0.05), rtol=0.02)
+
+
+def test_there_is_no_flow_where_there_is_no_soil():
+    field = mean_flow(
+        lattice_recording(lambda x, z: (0 * x, 0 * z)),
+        Window(0, 0.01, -0.01, 0.01),
+        spacing=SPACING,
+        kernel=1e-3,
+    )
+    assert np.isnan(field.velocity[:, field.z > 5e-3]).all()
+    assert np.isfinite(field.velocity[:, field.z < -5e-3]).all()
+
+
+def test_the_band_holds_the_central_four_fifths():
+    depth = np.arange(0, 0.1, 1e-4)
+    even = np.where((depth > 0.04) & (depth < 0.06), 3.0, 0.0)
+    assert band_width(even, 1e-4) == pytest.approx(0.8 * 0.02, rel=0.02)
+    bell = np.exp(-0.5 * ((depth - 0.05) / 5e-3) ** 2)
+    assert band_width(bell, 1e-4) == pytest.approx(2.42 * 5e-3, rel=0.02)
+    assert band_width(bell + 0.05, 1e-4) == pytest.approx(band_width(bell, 1e-4), rel=0.1)
+    assert np.isnan(band_width(np.zeros(9), 1e-4))
+
+
+def test_the_band_is_measured_below_the_rim():
+    """Soil sheared at a depth of 4 to 5 cm, under a rim that goes down to 2 cm at most."""
+    scene = load_scene("rolling_wheel")
+    recording = lattice_recording(
+        lambda x, z: (-0.01 * np.clip((z - 0.05) / 0.01, 0, 1), 0 * z), implement_z=SURFACE + 0.094
+    )
+    widths = band_widths(scene, recording)
+    assert widths.shape == (5,)
+    # A centimetre of even shear, smeared by the kernel of 1 mm.
+    np.testing.assert_allclose(widths, 0.8 * 0.01, rtol=0.12)
+
+
+def test_flux_is_that_of_the_soil_ahead_of_the_rim_and_forward_is_positive():
+    """All soil moves alike: through the line from the rim's lowest point up flows speed x sinkage."""
+    radius, sinkage = 0.08, 0.02
+    axle = SURFACE + radius - sinkage
+    for speed in (0.004, -0.004):
+        recording = lattice_recording(lambda x, z, s=speed: (s + 0 * x, 0 * z), implement_z=axle)
+        flux = flux_ahead(recording, radius=radius, sinkage=sinkage, strip=0.05)
+        np.testing.assert_allclose(flux, speed * sinkage, rtol=0.045)  # a column of grains more or less
+    entry = np.sqrt(radius**2 - (radius - sinkage) ** 2)
+    behind = lattice_recording(lambda x, z: (np.where(x < entry - 2e-3, 0.01, 0.0), 0 * z), implement_z=axle)
+    np.testing.assert_array_equal(flux_ahead(behind, radius=radius, sinkage=sinkage, strip=0.01), 0)
+
+
+def test_phases_are_averaged_over_whole_passages():
+    turns = np.linspace(0.01, 3.4, 340)
+    flux = np.where(np.mod(turns, 1) < 0.5, 2.0, -1.0) + 100 * (turns >= 3)
+    phases = by_phase(flux, turns)
+    np.testing.assert_allclose(phases, [2] * 6 + [-1] * 6)
+    assert np.isfinite(by_phase(flux[:80], turns[:80])).sum() < 12  # not a whole one: what there is
+
+
+def test_the_spacing_equation_by_its_geometry():
+    """In the time from one grouser's entry to the next's the wheel travels from tip entry to rim entry."""
+    radius, height, sinkage, slip, rim_speed = 0.114, 0.012, 0.019, 0.2, 0.01
+    spacing = largest_spacing(slip=slip, sinkage=sinkage / radius, height=height / radius)
+    time = spacing * radius / rim_speed
+    axle = radius - sinkage
+    tip, rim = (np.sqrt(r**2 - axle**2) for r in (radius + height, radius))
+    assert (1 - slip) * rim_speed * time == pytest.approx(tip - rim)
+    assert least_count(spacing) == np.ceil(2 * np.pi / spacing)
+    assert least_count(2 * np.pi / 24) == 24
+    # Higher grousers, more slip: fewer are needed; a deeper wheel needs more.
+    more = {"slip": slip, "sinkage": sinkage / radius, "height": height / radius}
+    for key, change, wider in (("height", 1.5, True), ("slip", 1.5, True), ("sinkage", 1.5, False)):
+        other = largest_spacing(**{**more, key: change * more[key]})
+        assert (other > spacing) == wider
+
+
+def test_simulate_with_convergence_and_again(softbed, tiny_wheel_scene, tmp_path):
+    out = tmp_path / "out"
+    status, output, error = softbed("simulate", tiny_wheel_scene, out, "--convergence", "--json")
+    assert status == 0, error
+    told = json.loads(output)["convergence"]
+    assert told["rows"][0]["case"] == "as it is" and len(told["rows"]) == 5
+    base, *others = told["rows"]
+    assert base["flow_change"] == base["sinkage_change"] == 0
+    assert all(0 < row["flow_change"] < 300 for row in others)
+    for row in others:
+        expected = 100 * (row["sinkage"] - base["sinkage"]) / abs(base["sinkage"])
+        assert row["sinkage_change"] == pytest.approx(expected)
+    place = out / "convergence"
+    assert {path.name for path in (place / "runs").iterdir()} == {
+        "half-speed-up", "doubled-box", "halved-step", "other-seed"
+    }  # fmt: skip
+    table = (place / "convergence.csv").read_text().splitlines()
+    assert table[0].startswith("case,sinkage [mm],sinkage_change [%]") and len(table) == 6
+    assert (place / "convergence.png").read_bytes()[:4] == b"\x89PNG"
+    before = (place / "convergence.json").stat().st_mtime_ns
+    status, output, error = softbed("simulate", tiny_wheel_scene, out, "--convergence")
+    assert status == 0 and error.count("skipped") == 6
+    assert (place / "convergence.json").stat().st_mtime_ns == before
+    assert "Changes most: sinkage by" in " ".join(output.split())
+
+
+def test_a_study_needs_soil_and_a_name_that_exists(softbed, tiny_scene, tmp_path):
+    status, _, error = softbed("study", "convergence", tmp_path / "a", "--scene", tiny_scene)
+    assert status == 2 and "a study needs soil in a bin" in error
+    status, _, error = softbed("study", "weather", tmp_path / "b")
+    assert status == 2 and "allowed are grain-size, convergence, grouser-spacing" in error
+    assert not (tmp_path / "b").exists()

@@ -1,0 +1,30 @@
+"""Studies: what one scene, run several times with something changed, says about soil or simulation.
+
+One file each, with a `Study` named `STUDY`; its line here makes it known.
+"""
+
+import importlib
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from validation.studies.study import Study
+
+STUDIES = {
+    "grain-size": "sinkage, drawbar pull, torque and shear-band width against grain diameter",
+    "convergence": "their change, and that of the flow, with speed-up, box, time step and seed",
+    "grouser-spacing": "soil pushed ahead of the wheel against the number of grousers",
+}
+"""What each is about, by name."""
+
+
+def find_study(name: str) -> "Study":
+    """The study of that name.
+
+    Raises
+    ------
+    ValueError
+        There is none.
+    """
+    if name not in STUDIES:
+        raise ValueError(f"study {name!r}: allowed are {', '.join(STUDIES)}")
+    return importlib.import_module(f"validation.studies.{name.replace('-', '_')}").STUDY

@@ -1,0 +1,121 @@
+"""Carry a study out: every case through the chain, then its table, its figure and its line of conclusion."""
+
+import csv
+import json
+import math
+from collections.abc import Mapping
+from pathlib import Path
+from typing import Any
+
+from synth.scene import Scene, SoilBinScene
+from validation import chain
+from validation.manifest import key_of
+from validation.run_folder import RunFolder
+from validation.studies.study import Findings, Run, Study
+from validation.terminal import Terminal
+from validation.versions import package_version
+
+SCHEMA_VERSION = 1
+RUNS = "runs"
+"""Folder below a study's with a run folder for each case."""
+
+
+def carry_out(
+    name: str,
+    study: Study,
+    scene: Scene,
+    out: Path,
+    *,
+    quick: bool = False,
+    given: Mapping[str, Path] | None = None,
+    resume: bool = True,
+    work: chain.Work,
+    terminal: Terminal,
+) -> dict[str, Any]:
+    """Simulate what is missing, look into the recordings, and write NAME.csv, NAME.png and NAME.json.
+
+    Parameters
+    ----------
+    out : Path
+        The study's folder; below it, `runs` has a run folder for each case. Carried out again, cases whose
+        recordings are there are skipped, and one that was killed goes on from its checkpoint.
+    given : mapping, optional
+        Run folders elsewhere that cases are in, by label.
+
+    Returns
+    -------
+    dict
+        What NAME.json holds.
+
+    Raises
+    ------
+    ValueError
+        A scene without grains.
+    """
+    if not isinstance(scene, SoilBinScene):
+        raise ValueError(f"{scene.name}: kind = {scene.kind!r}: a study needs soil in a bin")
+    cases = study.cases(scene, quick=quick)
+    with RunFolder.create(out) as folder:
+        runs, digests = [], {}
+        for number, case in enumerate(cases, start=1):
+            terminal.say(f"study {name}: case {number} of {len(cases)}: {case.label}")
+            place = (given or {}).get(case.label, out / RUNS / case.label)
+            with RunFolder.create(place) as run:
+                chain.simulate(run, case.scene, work=work, terminal=terminal, resume=resume)
+                digests[case.label] = run.manifest.steps["simulate"].facts["digest"]
+                runs.append(Run(case, run.recording))
+        key = key_of(step=f"study {name}", made_by=package_version("softbed"), recordings=digests)
+        if folder.why_do(f"study {name}", key) is not None:
+            labels = {"study": name, "scene": scene.name, "seed": scene.seed, "quick": quick}
+            _write(folder, name, key, labels, study, runs)
+    return json.loads((out / f"{name}.json").read_text(encoding="utf-8"))
+
+
+def _write(
+    folder: RunFolder, name: str, key: str, labels: dict[str, Any], study: Study, runs: list[Run]
+) -> None:
+    from validation.figures import to_png
+
+    findings = study.find(runs)
+    with folder.writing(f"study {name}", key) as draft:
+        _write_table(draft.folder / f"{name}.csv", study, findings)
+        (draft.folder / f"{name}.png").write_bytes(to_png(study.draw(findings)))
+        document = {"schema_version": SCHEMA_VERSION, **labels, **_told(study, findings)}
+        text = json.dumps(document, indent=1, allow_nan=False)
+        (draft.folder / f"{name}.json").write_text(text + "\n", encoding="utf-8")
+
+
+def _write_table(path: Path, study: Study, findings: Findings) -> None:
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{name} [{unit}]" if unit else name for name, unit in study.columns.items()])
+        writer.writerows([_spelt(row[name]) for name in study.columns] for row in findings.rows)
+
+
+def _spelt(value: float | str) -> str:
+    return value if isinstance(value, str) else f"{value:.6g}"
+
+
+def _told(study: Study, findings: Findings) -> dict[str, Any]:
+    """Findings as JSON can hold them: what is not a number is null."""
+    rows = [
+        {
+            name: None if isinstance(value, float) and not math.isfinite(value) else value
+            for name, value in row.items()
+        }
+        for row in findings.rows
+    ]
+    return {"columns": dict(study.columns), "rows": rows, "conclusion": findings.conclusion}
+
+
+def study_table(document: Mapping[str, Any]):
+    """The table of a study for a terminal."""
+    from rich.table import Table
+
+    table = Table(title=f"{document['study']}: {document['scene']}", title_justify="left")
+    for name, unit in document["columns"].items():
+        table.add_column(f"{name}\n[{unit}]" if unit else name, justify="right" if unit else "left")
+    for row in document["rows"]:
+        values = (row[name] for name in document["columns"])
+        table.add_row(*("-" if v is None else v if isinstance(v, str) else f"{v:.4g}" for v in values))
+    return table
