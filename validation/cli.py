@@ -241,7 +241,8 @@ def render(
 def export(
     out: RunPath,
     file_format: Annotated[
-        Literal["vtk"], typer.Option("--format", help="vtk: grains and implement for ParaView, OUT/vtk.")
+        Literal["vtk"],
+        typer.Option("--format", help="vtk: grains, implement, contacts for ParaView, OUT/vtk."),
     ] = "vtk",
     json: Json = False,
     debug: Debug = False,
@@ -254,7 +255,7 @@ def export(
     with terminal.working(), RunFolder.open(out) as run:
         chain.export(run, terminal=terminal)
         document = _step_document(run, f"export {file_format}")
-    terminal.show(f"{run.vtk / 'grains.pvd'}, {run.vtk / 'implement.pvd'}")
+    terminal.show(", ".join(str(path) for path in sorted(run.vtk.glob("*.pvd"))))
     terminal.give(document)
 
 
