@@ -209,7 +209,15 @@ def simulate(
 
             place = out / "convergence"
             document["convergence"] = _carry_out(
-                "convergence", chosen, place, given={BASE: out}, resume=resume, work=work, terminal=terminal
+                "convergence",
+                chosen,
+                place,
+                quick=quick,
+                given={BASE: out},
+                resume=resume,
+                overwrite=overwrite,
+                work=work,
+                terminal=terminal,
             )
     terminal.show(f"{run.recording}, {run.forces}")
     if convergence:
@@ -432,6 +440,7 @@ def study(
     quick: Quick = False,
     seed: Seed = None,
     resume: Resume = True,
+    overwrite: Overwrite = False,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
@@ -448,7 +457,8 @@ def study(
     with terminal.working():
         chosen = load_scene(scene or find_study(name).scene, quick=quick, seed=seed)
         work = chain.Work(device, threads)
-        document = _carry_out(name, chosen, out, quick=quick, resume=resume, work=work, terminal=terminal)
+        options = {"quick": quick, "resume": resume, "overwrite": overwrite}
+        document = _carry_out(name, chosen, out, **options, work=work, terminal=terminal)
     _show_study(document, out, terminal)
     terminal.give(document)
 

@@ -29,6 +29,7 @@ def carry_out(
     quick: bool = False,
     given: Mapping[str, Path] | None = None,
     resume: bool = True,
+    overwrite: bool = False,
     work: chain.Work,
     terminal: Terminal,
 ) -> dict[str, Any]:
@@ -41,6 +42,8 @@ def carry_out(
         recordings are there are skipped, and one that was killed goes on from its checkpoint.
     given : mapping, optional
         Run folders elsewhere that cases are in, by label.
+    resume, overwrite : bool
+        As of `chain.simulate`.
 
     Returns
     -------
@@ -61,7 +64,8 @@ def carry_out(
             terminal.say(f"study {name}: case {number} of {len(cases)}: {case.label}")
             place = (given or {}).get(case.label, out / RUNS / case.label)
             with RunFolder.create(place) as run:
-                chain.simulate(run, case.scene, work=work, terminal=terminal, resume=resume)
+                options = {"resume": resume, "overwrite": overwrite}
+                chain.simulate(run, case.scene, work=work, terminal=terminal, **options)
                 digests[case.label] = run.manifest.steps["simulate"].facts["digest"]
                 runs.append(Run(case, run.recording))
         key = key_of(step=f"study {name}", made_by=package_version("softbed"), recordings=digests)
@@ -114,7 +118,8 @@ def study_table(document: Mapping[str, Any]):
 
     table = Table(title=f"{document['study']}: {document['scene']}", title_justify="left")
     for name, unit in document["columns"].items():
-        table.add_column(f"{name}\n[{unit}]" if unit else name, justify="right" if unit else "left")
+        label = name.replace("_", " ")
+        table.add_column(f"{label}\n[{unit}]" if unit else label, justify="right" if unit else "left")
     for row in document["rows"]:
         values = (row[name] for name in document["columns"])
         table.add_row(*("-" if v is None else v if isinstance(v, str) else f"{v:.4g}" for v in values))
