@@ -44,13 +44,19 @@ _LITTLE = 0.1
 
 
 class GrouserSpacing(Study):
-    """The same wheel with more and more grousers."""
+    """The same wheel with more and more grousers.
+
+    The forward part of the flux is taken of its mean over passages of grousers: what is periodic stays, what
+    is chance goes, the more so the more grousers pass. `forward_share_of_frames` is without that mean, and
+    alike for all counts: chance makes it greater than nothing even where nothing flows forward.
+    """
 
     scene = "grouser_wheel"
     columns: ClassVar[Mapping[str, str]] = {
         "grouser_count": "1",
         "forward_flux": "mm2/s",
         "forward_share": "1",
+        "forward_share_of_frames": "1",
         "flux_swing": "mm2/s",
         "mean_flux": "mm2/s",
         "rim_sinkage": "mm",
@@ -96,7 +102,12 @@ class GrouserSpacing(Study):
         left, right = plain_axes(figure, 1, 2)[0]
         rows = findings.rows
         count = column(rows, "grouser_count")
-        left.plot(count, 100 * column(rows, "forward_share"), marker="o", color="#4c78a8")
+        for name, label, style in (
+            ("forward_share", "of the mean over passages", "-"),
+            ("forward_share_of_frames", "of every frame", ":"),
+        ):
+            left.plot(count, 100 * column(rows, name), style, marker="o", color="#4c78a8", label=label)
+        left.legend(frameon=False, fontsize=8, loc="center right")
         needed = column(rows, "predicted_count")
         span = f"{needed.min():.0f}" + (f" to {needed.max():.0f}" if needed.max() > needed.min() else "")
         left.axvspan(needed.min() - 0.5, needed.max() + 0.5, color="#e45756", alpha=0.25, linewidth=0)
@@ -113,7 +124,7 @@ class GrouserSpacing(Study):
             right.plot(time, flux, color=colour, label=name, linewidth=1.2)
         right.axhline(0, color="black", linewidth=0.8)
         right.set_xlabel("time [s]")
-        right.set_ylabel("flux of soil just ahead of the rim [mm²/s], forward positive")
+        right.set_ylabel("flux of soil ahead of the rim, forward positive [mm²/s]", fontsize=9)
         right.legend(title="grousers", frameon=False, fontsize=8, ncols=2)
         return figure
 
@@ -208,10 +219,12 @@ def _row(scene: SoilBinScene, recording: "Recording") -> tuple[Row, np.ndarray]:
     spacing = largest_spacing(
         slip=drive.slip, sinkage=sinkage / wheel.radius, height=wheel.grouser_height / wheel.radius
     )
+    displaced = drive.carriage_speed * sinkage if sinkage > 0 else float("nan")
     row: Row = {
         "grouser_count": float(wheel.grouser_count),
         "forward_flux": 1e6 * forward,
-        "forward_share": forward / (drive.carriage_speed * sinkage) if sinkage > 0 else float("nan"),
+        "forward_share": forward / displaced,
+        "forward_share_of_frames": float(np.maximum(flux, 0).mean()) / displaced,
         "flux_swing": 1e6 * float(np.nanmax(phases) - np.nanmin(phases)),
         "mean_flux": 1e6 * float(np.nanmean(phases)),
         "rim_sinkage": 1000 * sinkage,
@@ -234,8 +247,11 @@ def _conclusion(rows: Sequence[Row]) -> str:
         else "it falls below a tenth of that with the fewest at none of these"
     )
     needed = column(ordered, "predicted_count")
+    mean = column(ordered, "mean_flux")
+    turns = [row["grouser_count"] for row, flux in zip(ordered, mean, strict=True) if flux <= 0]
+    backward = f"mean flux is backward from {turns[0]:.0f} on" if turns else "mean flux is forward throughout"
     return (
-        f"Forward flux / (speed x sinkage) by number of grousers: {shares}; {where}; "
+        f"Forward flux / (speed x sinkage) by number of grousers: {shares}; {where}; {backward}; "
         f"the grouser spacing equation needs {needed.min():.0f} to {needed.max():.0f} "
         "at the slip and sinkages of these runs."
     )
