@@ -1,9 +1,12 @@
 """Studies measure what they say, on flows that are known."""
 
+import csv
 import json
+import tomllib
 
 import numpy as np
 import pytest
+import tomli_w
 
 from synth import Recording, load_scene
 from synth.recording import VARIABLES
@@ -164,3 +167,49 @@ def test_a_study_needs_soil_and_a_name_that_exists(softbed, tiny_scene, tmp_path
     status, _, error = softbed("study", "weather", tmp_path / "b")
     assert status == 2 and "allowed are grain-size, convergence, grouser-spacing" in error
     assert not (tmp_path / "b").exists()
+
+
+def read_table(path):
+    with path.open(newline="", encoding="utf-8") as file:
+        header, *rows = csv.reader(file)
+    return {
+        name.partition(" [")[0]: np.array(column, float) for name, *column in zip(header, *rows, strict=True)
+    }
+
+
+def test_grain_size_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.studies.grain_size.DIAMETERS", (4.5e-3, 3.5e-3))
+    status, output, error = softbed("study", "grain-size", tmp_path, "--scene", tiny_wheel_scene, "--json")
+    assert status == 0, error
+    assert json.loads(output) == json.loads((tmp_path / "grain-size.json").read_text())
+    table = read_table(tmp_path / "grain-size.csv")
+    assert table["grain_diameter"].tolist() == [4.5, 3.5]
+    assert table["grain_count"][0] < table["grain_count"][1]
+    for label, sinkage, pull in zip(
+        ("4.5-mm", "3.5-mm"), table["sinkage"], table["drawbar_pull"], strict=True
+    ):
+        recording = Recording.read(tmp_path / "runs" / label / "recording.nc").data
+        since = recording.sample_time.values > 0
+        assert recording.sinkage.values[since].mean() * 1000 == pytest.approx(sinkage, rel=1e-5)
+        assert recording.force_x.values[since].mean() == pytest.approx(pull, rel=1e-4)
+    assert (tmp_path / "grain-size.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_grouser_spacing_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.studies.grouser_spacing.COUNTS", (12, 24))
+    tables = tomllib.loads(tiny_wheel_scene.read_text())
+    tables["implement"] |= {
+        "kind": "grouser_wheel", "grouser_count": 9, "grouser_height": 4e-3, "grouser_thickness": 1e-3
+    }  # fmt: skip
+    scene, out = tmp_path / "scene.toml", tmp_path / "out"
+    scene.write_text(tomli_w.dumps(tables))
+    status, output, error = softbed("study", "grouser-spacing", out, "--scene", scene, "--json")
+    assert status == 0, error
+    table = read_table(out / "grouser-spacing.csv")
+    assert table["grouser_count"].tolist() == [12, 24]
+    for sinkage, count in zip(table["rim_sinkage"], table["predicted_count"], strict=True):
+        spacing = largest_spacing(slip=0.2, sinkage=sinkage / 30, height=4 / 30)
+        assert count == least_count(spacing)
+    assert (table["forward_share_of_frames"] >= table["forward_share"] - 0.05).all()
+    assert "the grouser spacing equation needs" in json.loads(output)["conclusion"]
+    assert softbed("study", "grouser-spacing", out, "--scene", tiny_wheel_scene)[0] == 2
