@@ -43,10 +43,13 @@ class FlowField:
     velocity: np.ndarray
 
     @property
-    def shear_rate(self) -> np.ndarray:
-        """``sqrt(2 D : D)`` with the velocity gradient's symmetric deviator D, 1/s, shape (Z, X)."""
+    def shear(self) -> np.ndarray:
+        """``u_x - w_z`` and ``u_z + w_x``, whose root of squares is the shear rate, 1/s, shape (2, Z, X).
+
+        That is ``sqrt(2 D : D)`` with the velocity gradient's symmetric deviator D.
+        """
         (u_z, u_x), (w_z, w_x) = (np.gradient(one, self.z, self.x) for one in self.velocity)
-        return np.hypot(u_x - w_z, u_z + w_x)
+        return np.stack([u_x - w_z, u_z + w_x])
 
 
 def mean_flow(recording: "Recording", window: Window, *, spacing: float, kernel: float) -> FlowField:

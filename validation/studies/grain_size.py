@@ -36,8 +36,10 @@ _KERNEL = 0.5
 """Standard deviation of the coarse-graining / grain diameter; on a line it is 1.3 diameters wide itself."""
 _SPACING = 0.25
 """Of the raster / grain diameter."""
+_ABREAST = 0.1
+"""Shear is averaged over so much to both sides of a station / wheel radius."""
 _FLOOR = 0.1
-"""The band ends where the shear rate falls below this share of its peak: what is beyond is scatter."""
+"""Shear at a rate below this share of its peak is left out: it is scatter."""
 _CENTRAL = 0.8
 
 
@@ -94,10 +96,12 @@ class GrainSize(Study):
             axes.set_ylabel(label)
             axes.set_xlabel("grain diameter [mm]")
             axes.set_xlim(0, 1.1 * diameter.max())
+        top = 1.1 * np.nanmax(column(rows, "band_width") + column(rows, "band_width_deviation"))
+        grid[3].set_ylim(0, top)
         for count in (5, 10, 15):
+            at = min(0.95 * top / count, diameter.max())
             grid[3].axline((0, 0), slope=count, color="0.6", linewidth=0.8, linestyle=":")
-            grid[3].annotate(f"{count} d", (diameter.max(), count * diameter.max()), color="0.4", fontsize=8)
-        grid[3].set_ylim(0, 1.25 * np.nanmax(column(rows, "band_width")))
+            grid[3].annotate(f"{count} d", (at, count * at), color="0.4", fontsize=8, ha="right")
         figure.supxlabel("bars: standard deviation over time; of the width, over five stations", fontsize=8)
         return figure
 
@@ -132,29 +136,31 @@ def band_widths(scene: SoilBinScene, recording: "Recording") -> np.ndarray:
     radius, diameter = scene.implement.radius, scene.bed.grain_diameter
     surface = float(recording.data.attrs["surface_height"])
     axle = float(recording.data["implement_z"].values.mean()) - surface
-    reach = 0.6 * radius
+    reach = 0.6 * radius  # past the outermost stations and what is abreast of them
     field = mean_flow(
         recording,
         Window(-reach, reach, -surface, 0.0),
         spacing=_SPACING * diameter,
         kernel=_KERNEL * diameter,
     )
-    rate, widths = field.shear_rate, []
+    shear = field.shear
+    shear[:, field.z[:, None] > axle - np.sqrt(radius**2 - field.x**2)] = np.nan
+    widths = []
     for station in _STATIONS:
-        at = int(np.abs(field.x - station * radius).argmin())
-        rim = axle - np.sqrt(radius**2 - field.x[at] ** 2)
-        # From the floor up to the rim.
-        below = rate[field.z < rim, at]
-        widths.append(band_width(below[np.isfinite(below)], _SPACING * diameter))
+        abreast = np.abs(field.x - station * radius) <= max(_ABREAST * radius, diameter)
+        known = np.isfinite(shear[:, :, abreast]).all(axis=0).any(axis=1)
+        # Components first, so that scatter cancels out; from the floor up to the rim.
+        rate = np.hypot(*np.nanmean(shear[:, known][:, :, abreast], axis=2))
+        widths.append(band_width(rate, _SPACING * diameter))
     return np.array(widths)
 
 
 def band_width(rate: np.ndarray, spacing: float) -> float:
-    """Width that holds the central 80 % of the shear around its peak, m.
+    """Width that holds the central 80 % of the shear, m.
 
-    Around the greatest shear rate, as far as it is above a tenth of that, the shear is summed; what counts is
-    the distance between where a tenth and where nine tenths of it are reached. A band of even shear gives 0.8
-    of its width, a Gaussian one 2.4 standard deviations.
+    Along a line that crosses the band, shear at less than a tenth of the greatest rate left out: the distance
+    between where a tenth and where nine tenths of the rest is reached. A band of even shear gives 0.8 of its
+    width, a Gaussian one 2.4 standard deviations.
 
     Parameters
     ----------
@@ -165,13 +171,13 @@ def band_width(rate: np.ndarray, spacing: float) -> float:
     """
     if rate.size < 3 or not rate.max() > 0:
         return float("nan")
-    peak = int(rate.argmax())
-    weak = np.flatnonzero(rate < _FLOOR * rate[peak])
-    first = weak[weak < peak].max(initial=-1) + 1
-    last = weak[weak > peak].min(initial=rate.size)
-    total = np.concatenate([[0.0], np.cumsum(rate[first:last])])
-    ends = np.interp([(1 - _CENTRAL) / 2, (1 + _CENTRAL) / 2], total / total[-1], np.arange(total.size))
-    return float(ends[1] - ends[0]) * spacing
+    counted = np.where(rate < _FLOOR * rate.max(), 0.0, rate)
+    total = np.concatenate([[0.0], np.cumsum(counted)])
+    shares = np.array([1 - _CENTRAL, 1 + _CENTRAL]) / 2
+    # The first place that a share is reached at: sums stand still where nothing is counted.
+    place = np.searchsorted(total, shares * total[-1])
+    into = (shares * total[-1] - total[place - 1]) / counted[place - 1]
+    return float(np.diff(place - 1 + into)[0]) * spacing
 
 
 def _conclusion(rows: Sequence[Row]) -> str:
