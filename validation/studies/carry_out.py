@@ -119,7 +119,8 @@ def study_table(document: Mapping[str, Any]):
     table = Table(title=f"{document['study']}: {document['scene']}", title_justify="left")
     for name, unit in document["columns"].items():
         label = name.replace("_", " ")
-        table.add_column(f"{label}\n[{unit}]" if unit else label, justify="right" if unit else "left")
+        title, side = (f"{label}\n[{unit}]", "right") if unit else (label, "left")
+        table.add_column(title, justify=side, overflow="fold")  # type: ignore[arg-type]
     for row in document["rows"]:
         values = (row[name] for name in document["columns"])
         table.add_row(*("-" if v is None else v if isinstance(v, str) else f"{v:.4g}" for v in values))
