@@ -90,7 +90,6 @@ class Solver:
         self._tool_memory = self._array(np.zeros((1, 2)))
         self._reaction: Any = None
         self._unwatched, self._watch_after = 0, 1
-        self._last_loads: tuple[np.ndarray, Any] | None = None
         self._list_neighbours()
 
     def advance(self, steps: int) -> None:
@@ -171,11 +170,12 @@ class Solver:
 
     def pair_forces(self) -> Contacts:
         """The forces between grains in the last time step; none before the first."""
-        if self._last_loads is None:
-            return Contacts.none()
-        pairs, load = self._last_loads
-        force = load.to_numpy()[: pairs.shape[1], :2]
-        return Contacts.of_forces(self._motion.to_numpy()[0:2], pairs, force)
+        assert self._neighbours is not None
+        pairs = self._neighbours.pairs
+        force = self._pair_load.to_numpy()[: pairs.shape[1], :2]
+        motion = self._motion.to_numpy().T
+        # Forces are those of before the step's motion.
+        return Contacts.of_forces(motion[0:2] - self.time_step * motion[2:4], pairs, force)
 
     def save_state(self) -> dict[str, np.ndarray]:
         """All that decides how it goes on, bit by bit: `restore_state` on a new solver takes it up.
@@ -215,8 +215,6 @@ class Solver:
         from synth.dem import kernels as k
 
         assert self._neighbours is not None
-        # Neighbours may be listed anew after this launch, which forgets the loads.
-        self._last_loads = self._neighbours.pairs, self._pair_load
         k.advance(
             steps,
             self._constants,
@@ -290,12 +288,15 @@ class Solver:
 
     def _list_pairs(self, position: np.ndarray) -> None:
         old, new = self._neighbours, list_neighbours(position, self.grains.radius, self._skin)
-        memory = np.zeros((new.keys.size, 2))
+        memory, load = np.zeros((new.keys.size, 2)), np.zeros((new.keys.size, 4))
         if old is not None:
-            memory = carry_memory(old.keys, self._pair_memory.to_numpy()[: old.keys.size], new.keys)
+            memory, load = (
+                carry_memory(old.keys, array.to_numpy()[: old.keys.size], new.keys)
+                for array in (self._pair_memory, self._pair_load)
+            )
         self._neighbours = new
         self._pair_memory = self._refilled(self._pair_memory, memory)
-        self._pair_load = self._refilled(self._pair_load, np.zeros((new.keys.size, 4)))
+        self._pair_load = self._refilled(self._pair_load, load)
 
     def _list_tool_contacts(self, position: np.ndarray) -> None:
         old, new = self._tool_contacts, ToolContacts.none(self.grains.count)

@@ -72,7 +72,7 @@ def test_they_are_within_the_friction_and_between_grains_that_touch(scene, recor
     assert data.contact_count.values.min() > 0.7 * data.sizes["particle"]
     assert data.contact_count.values.sum() == data.sizes["contact"]
     friction = scene.soil.contact.friction * data.contact_normal_force.values
-    assert (np.abs(data.contact_tangential_force.values) <= friction * (1 + 1e-3) + 1e-9).all()
+    assert (np.abs(data.contact_tangential_force.values) <= friction * (1 + 1e-9)).all()
     contacts, state = recording.contacts(1), data.isel(frame=1)
     i, j = contacts.contact_first.values, contacts.contact_second.values
     distance = np.hypot(*(state[f"position_{a}"].values[i] - state[f"position_{a}"].values[j] for a in "xz"))
