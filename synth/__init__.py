@@ -4,14 +4,19 @@ import importlib
 from typing import Any
 
 _HOMES = {
+    "AnalyticScene": "synth.scene",
+    "AnyScene": "synth.scene",
     "Footage": "synth.footage",
+    "PicturePair": "synth.analytic.pair",
     "Recording": "synth.recording",
     "Scene": "synth.scene",
     "SceneError": "synth.scene",
     "load_scene": "synth.scene",
-    "render": "synth.camera.render",
+    "picture_pair": "synth.analytic.pair",
+    "render": "synth.rendering",
     "scene_names": "synth.scene_files",
     "simulate": "synth.simulation",
+    "true_motion": "synth.truth",
 }
 __all__ = sorted(_HOMES)
 

@@ -31,6 +31,15 @@ def write_sequence(folder: Path, frame_rate: float, metres_per_pixel: float, fra
     (folder / "sequence.toml").write_text(tomli_w.dumps(tables), encoding="utf-8")
 
 
+def write_picture(path: Path, picture: "np.ndarray") -> None:
+    """Write a grey picture as PNG, without loss."""
+    import cv2
+
+    # A fixed, low level: grains hardly compress.
+    if not cv2.imwrite(str(path), picture, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
+        raise OSError(f"{path}: the picture could not be written")
+
+
 @dataclass(frozen=True)
 class Footage:
     """Pictures and truth of a folder; only what is asked for is read. Close it, or use it in a `with`.

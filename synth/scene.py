@@ -8,6 +8,14 @@ from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field, TypeAdapter, ValidationError, model_validator
 
+from synth.analytic.motion import Motion
+from synth.analytic.settings import (
+    AnalyticCamera,
+    AnalyticLens,
+    AnalyticSensor,
+    AnalyticTiming,
+    GaussianGrains,
+)
 from synth.camera.settings import Camera, Lens, Light, Sensor, Texture
 from synth.drive import Drive, Program
 from synth.implements import Implement, Plate
@@ -19,7 +27,7 @@ SCHEMA_VERSION = 1
 GRAVITY = 9.81
 """Acceleration of gravity on Earth, m/s2, where a scene does not say otherwise."""
 
-_PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor"}
+_PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "grains"}
 _LABELS = {"name", "description", "quick"}
 _LONGEST_SHOWN = 80
 """Characters of a value that a complaint shows."""
@@ -66,7 +74,7 @@ class Timing(Table):
     record_contacts: bool = Field(default=False, description="record the forces between grains at frames")
 
 
-class _Scene(Table):
+class _Titled(Table):
     """What every scene has."""
 
     schema_version: Literal[1]
@@ -74,13 +82,6 @@ class _Scene(Table):
     description: str
     seed: int = Field(default=0, ge=0, lt=2**63)
     quick: bool = False
-    soil: Soil
-    timing: Timing
-    camera: Camera
-    texture: Texture
-    light: Light
-    lens: Lens
-    sensor: Sensor
 
     def to_dict(self) -> dict[str, Any]:
         """Every key with its value, defaults included."""
@@ -101,6 +102,18 @@ class _Scene(Table):
     def simulation_hash(self) -> str:
         """SHA-256 over what the motion depends on: the scene without its pictures and labels."""
         return _digest({k: v for k, v in self.to_dict().items() if k not in _PICTURE_TABLES | _LABELS})
+
+
+class _Scene(_Titled):
+    """What every scene has that the camera photographs."""
+
+    soil: Soil
+    timing: Timing
+    camera: Camera
+    texture: Texture
+    light: Light
+    lens: Lens
+    sensor: Sensor
 
 
 class SoilBinScene(_Scene):
@@ -142,12 +155,36 @@ class PlateScene(_Scene):
     implement: Plate
 
 
+class AnalyticScene(_Titled):
+    """Soil that fills the picture and moves by a formula; no simulator, no camera model, an exact truth."""
+
+    kind: Literal["analytic"]
+    motion: Motion
+    timing: AnalyticTiming
+    camera: AnalyticCamera
+    grains: GaussianGrains
+    lens: AnalyticLens
+    sensor: AnalyticSensor
+
+    @model_validator(mode="after")
+    def _stays_in_order(self) -> Self:
+        if self.motion.folds_within(self.timing.frame_count - 1):
+            raise ValueError(
+                f"timing.frame_count = {self.timing.frame_count}: until then the motion strains the soil by "
+                "0.8: fewer frames, a smaller amplitude or longer periods are needed"
+            )
+        return self
+
+
 Scene = SoilBinScene | PlateScene
-_KINDS = {"soil_bin", "plate_rotation", *kinds_of(Implement), *kinds_of(Drive)}
-_SCENE: TypeAdapter[Scene] = TypeAdapter(Annotated[Scene, Field(discriminator="kind")])
+"""A scene that the camera photographs."""
+AnyScene = Scene | AnalyticScene
+_KINDS = {"soil_bin", "plate_rotation", "analytic"}
+_KINDS |= {kind for union in (Implement, Drive, Motion) for kind in kinds_of(union)}
+_SCENE: TypeAdapter[AnyScene] = TypeAdapter(Annotated[AnyScene, Field(discriminator="kind")])
 
 
-def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | None = None) -> Scene:
+def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | None = None) -> AnyScene:
     """Read a scene file.
 
     Parameters
@@ -182,7 +219,7 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
     return parse_scene(tables, source=str(path), folder=path.parent)
 
 
-def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | Path = ".") -> Scene:
+def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | Path = ".") -> AnyScene:
     """Check the tables of a scene; resolve its soil, and an STL to its outline.
 
     Parameters

@@ -8,7 +8,7 @@ import numpy as np
 
 from synth.devices import start_taichi
 from synth.recording import Recording
-from synth.scene import PlateScene, Scene, SoilBinScene
+from synth.scene import AnalyticScene, AnyScene, PlateScene, SoilBinScene
 
 if TYPE_CHECKING:
     from synth.dem.bed import Bed
@@ -22,7 +22,7 @@ _PARTS = 1000
 
 
 def simulate(
-    scene: Scene,
+    scene: AnyScene,
     *,
     device: str = "cpu",
     threads: int | None = None,
@@ -34,7 +34,7 @@ def simulate(
 
     Parameters
     ----------
-    scene : Scene
+    scene : AnyScene
     device : {"cpu", "cuda"}
     threads : int, optional
         Default: every core. The recording does not depend on it.
@@ -56,6 +56,8 @@ def simulate(
     """
     if isinstance(scene, PlateScene):
         return _turn_plate(scene)
+    if isinstance(scene, AnalyticScene):
+        return _without_grains(scene)
     start_taichi(device, threads)
     bed = _settled(scene, _share(progress, 0.0, _BED_SHARE))
     place = None if checkpoint is None else _checkpoint(checkpoint, scene, bed, device, say)
@@ -89,15 +91,23 @@ def _checkpoint(
 
 def _turn_plate(scene: PlateScene) -> Recording:
     """A plate carries its soil rigidly: there is no grain to simulate, only the plate's angle."""
-    frame_count, pin = scene.timing.frame_count, scene.implement
+    pin = scene.implement
+    return _without_grains(scene, pin.pin_x, pin.pin_z, turn=pin.rotation)
+
+
+def _without_grains(
+    scene: PlateScene | AnalyticScene, x: float = 0.0, z: float = 0.0, *, turn: float = 0.0
+) -> Recording:
+    """Record frame times, and an implement at one place that turns by `turn` (rad) a frame."""
+    frame_count = scene.timing.frame_count
     frames, nothing = np.zeros(frame_count), np.zeros(0)
     no_grains = np.zeros((frame_count, 0))
     arrays = {
         "time": np.arange(frame_count) / scene.timing.frame_rate,
         "carriage_x": frames,
-        "implement_x": frames + pin.pin_x,
-        "implement_z": frames + pin.pin_z,
-        "implement_angle": np.arange(frame_count) * pin.rotation,
+        "implement_x": frames + x,
+        "implement_z": frames + z,
+        "implement_angle": np.arange(frame_count) * turn,
         "radius": nothing,
     }
     grains = ("position_x", "position_z", "angle", "velocity_x", "velocity_z")

@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from synth.camera.texture import MicroGrains
     from synth.camera.view import View
     from synth.recording import Recording
-    from synth.scene import Scene
+    from synth.scene import AnyScene, Scene
 
 SCHEMA_VERSION = 1
 MIXED_LIMIT = 0.1
@@ -108,7 +108,7 @@ class PairTruth:
 
 def true_motion(
     recording: "Recording",
-    scene: "Scene",
+    scene: "AnyScene",
     first: int,
     second: int,
     *,
@@ -120,7 +120,7 @@ def true_motion(
     Parameters
     ----------
     recording : Recording
-    scene : Scene
+    scene : AnyScene
         The scene the recording was made with; its seed makes the texture.
     first, second : int
         Different frames, 0 to `recording.frame_count - 1`.
@@ -139,12 +139,17 @@ def true_motion(
     """
     from synth.camera.cover import cover
     from synth.devices import start_taichi
+    from synth.scene import AnalyticScene
 
     for frame in (first, second):
         if not 0 <= frame < recording.frame_count:
             raise ValueError(f"frame = {frame}: allowed are 0 to {recording.frame_count - 1}")
     if first == second:
         raise ValueError(f"second = {second}: another frame than the first is needed")
+    if isinstance(scene, AnalyticScene):
+        from synth.analytic.truth import analytic_truth
+
+        return _dataset(analytic_truth(scene, first, second), recording, scene)
     start_taichi(device, threads)
     grains, motion = grains_and_motion(recording, scene)
     placements = _placements(motion, {first, second})
@@ -371,7 +376,7 @@ def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]"
     return {"distance_to_discontinuity": distance + np.float32(0.5), "discontinuity_jump": nearest_jump}
 
 
-def _dataset(truth: PairTruth, recording: "Recording", scene: "Scene") -> "xr.Dataset":
+def _dataset(truth: PairTruth, recording: "Recording", scene: "AnyScene") -> "xr.Dataset":
     import xarray as xr
 
     variables: dict[str, Any] = {
@@ -388,7 +393,7 @@ def _dataset(truth: PairTruth, recording: "Recording", scene: "Scene") -> "xr.Da
     return xr.Dataset(variables, coordinates, file_attributes(scene))
 
 
-def file_attributes(scene: "Scene") -> dict[str, Any]:
+def file_attributes(scene: "AnyScene") -> dict[str, Any]:
     """Attributes that a stranger needs to read the truth without the scene."""
     return {
         "schema_version": SCHEMA_VERSION,

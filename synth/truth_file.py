@@ -8,7 +8,7 @@ from synth.truth import CAMERA_VARIABLES, VARIABLES, PairTruth, file_attributes
 if TYPE_CHECKING:
     import numpy as np
 
-    from synth.scene import Scene
+    from synth.scene import AnyScene
 
 _BOOLEAN = {"dtype": "bool"}  # netCDF has none: xarray stores int8 with this attribute and reads bool back
 
@@ -16,7 +16,7 @@ _BOOLEAN = {"dtype": "bool"}  # netCDF has none: xarray stores int8 with this at
 class TruthWriter:
     """Writes `truth.nc` pair by pair, so that a sequence of any length needs the memory of one pair."""
 
-    def __init__(self, path: Path, scene: "Scene", frame_times: "np.ndarray") -> None:
+    def __init__(self, path: Path, scene: "AnyScene", frame_times: "np.ndarray") -> None:
         import h5netcdf
         import numpy as np
 

@@ -15,7 +15,7 @@ from validation.versions import package_version, package_versions
 if TYPE_CHECKING:
     import xarray as xr
 
-    from synth import Recording, Scene
+    from synth import AnyScene, Recording
 
 _NEVER_SKIPPED = "a function of your own, whose code may have changed"
 
@@ -38,7 +38,7 @@ class Work:
 
 def simulate(
     run: RunFolder,
-    scene: "Scene",
+    scene: "AnyScene",
     *,
     work: Work,
     terminal: Terminal,
@@ -84,7 +84,7 @@ def simulate(
     remove_checkpoint(run.checkpoint)
 
 
-def _simulated(run: RunFolder, scene: "Scene", work: Work, terminal: Terminal) -> "Recording":
+def _simulated(run: RunFolder, scene: "AnyScene", work: Work, terminal: Terminal) -> "Recording":
     import synth
     from synth.dem.checkpoint import remove_checkpoint
     from synth.dem.failures import SimulationError
@@ -179,14 +179,14 @@ def footage_of(run: RunFolder) -> Material:
     return Material.open(run.footage)
 
 
-def _simulated_scene(run: RunFolder) -> "Scene":
+def _simulated_scene(run: RunFolder) -> "AnyScene":
     """Read the scene of a run, and make sure that its recording is there and whole."""
     scene = run_scene(run)
     _require(run, "simulate", _simulate_key(scene), f"softbed simulate SCENE {run.path}")
     return scene
 
 
-def run_scene(run: RunFolder) -> "Scene":
+def run_scene(run: RunFolder) -> "AnyScene":
     """Read the scene of a run.
 
     Raises
@@ -392,7 +392,7 @@ def methods_to_score(
     return methods
 
 
-def _refuse_other(run: RunFolder, scene: "Scene") -> None:
+def _refuse_other(run: RunFolder, scene: "AnyScene") -> None:
     """Keep hours of computing from being lost to a mistyped folder; pictures may be made anew."""
     if not (run.recording.is_file() and run.scene.is_file()):
         return
@@ -405,7 +405,7 @@ def _refuse_other(run: RunFolder, scene: "Scene") -> None:
         )
 
 
-def _adopt(run: RunFolder, scene: "Scene") -> None:
+def _adopt(run: RunFolder, scene: "AnyScene") -> None:
     """Make `scene` the run's: `scene.toml` and the labels of the manifest."""
     if run.why_do("scene", scene.hash) is not None:
         with run.writing("scene", scene.hash) as draft:
@@ -429,11 +429,11 @@ def _require(run: RunFolder, step: str, key: str, command: str) -> None:
         raise RunFolderError(f"{run.path}: {step}: {reason}: run `{command}` first")
 
 
-def _simulate_key(scene: "Scene") -> str:
+def _simulate_key(scene: "AnyScene") -> str:
     return key_of(step="simulate", made_by=_made_by("numpy", "scipy", "taichi"), scene=scene.simulation_hash)
 
 
-def _render_key(run: RunFolder, scene: "Scene") -> str:
+def _render_key(run: RunFolder, scene: "AnyScene") -> str:
     recording = run.manifest.steps["simulate"].facts["digest"]
     return key_of(
         step="render",

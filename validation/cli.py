@@ -148,7 +148,8 @@ def scenes(json: Json = False, debug: Debug = False) -> None:
     terminal = Terminal(json=json)
     with terminal.working():
         shipped = [load_scene(name) for name in scene_names()]
-    terminal.show("\n".join(f"{scene.name:16} {scene.description}" for scene in shipped))
+    widest = max(len(scene.name) for scene in shipped)
+    terminal.show("\n".join(f"{scene.name:{widest}}  {scene.description}" for scene in shipped))
     rows = [{"name": scene.name, "kind": scene.kind, "description": scene.description} for scene in shipped]
     terminal.give({"schema_version": 1, "scenes": rows})
 

@@ -4,11 +4,9 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from synth.footage import Footage, frame_name, write_sequence
+from synth.footage import Footage, frame_name, write_picture, write_sequence
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from synth.recording import Recording
     from synth.scene import Scene
 
@@ -60,7 +58,7 @@ def render(
     with TruthWriter(folder / "truth.nc", scene, recording.data["time"].values) as writer:
         for frame in range(count):
             covered = cover(scene, recording, grains, placement)
-            _write_picture(folder / frame_name(frame), take_picture(scene, grains, covered, frame))
+            write_picture(folder / frame_name(frame), take_picture(scene, grains, covered, frame))
             if frame + 1 < count:
                 following = motion.advance(placement)
                 around = motion.surroundings(placement, frame + 1)
@@ -79,11 +77,3 @@ def _check(recording: "Recording", folder: Path) -> None:
         raise ValueError(f"frame_count = {recording.frame_count}: two frames are needed to make footage")
     if folder.exists() and any(folder.iterdir()):
         raise ValueError(f"{folder}: an empty folder is needed")
-
-
-def _write_picture(path: Path, picture: "np.ndarray") -> None:
-    import cv2
-
-    # A fixed, low level: grains hardly compress.
-    if not cv2.imwrite(str(path), picture, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-        raise OSError(f"{path}: the picture could not be written")
