@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from soft.analysis import analyze
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
-    from soft.flow import FlowError, FlowField, estimate_flow, read_flo, write_flo
+    from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
     from soft.inertial import InertialMotion, to_inertial
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, SequenceError
@@ -32,6 +32,7 @@ _HOMES = {
     "moving_mask": "soft.segmentation",
     "picture_figure": "soft.figures",
     "read_flo": "soft.flow",
+    "read_kitti": "soft.flow",
     "read_soil_flow": "soft.soilflow",
     "soil_mask": "soft.segmentation",
     "speed_figure": "soft.figures",
@@ -40,6 +41,7 @@ _HOMES = {
     "to_velocity": "soft.velocity",
     "write_figures": "soft.figures",
     "write_flo": "soft.flow",
+    "write_kitti": "soft.flow",
 }
 
 __all__ = [
@@ -58,6 +60,7 @@ __all__ = [
     "moving_mask",
     "picture_figure",
     "read_flo",
+    "read_kitti",
     "read_soil_flow",
     "soil_mask",
     "speed_figure",
@@ -66,6 +69,7 @@ __all__ = [
     "to_velocity",
     "write_figures",
     "write_flo",
+    "write_kitti",
 ]
 
 

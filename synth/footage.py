@@ -98,6 +98,16 @@ class Footage:
         """What `truth.nc` says of its origin: scene, scene hash, seed and more."""
         return dict(self._truth.attrs)
 
+    @property
+    def truths(self) -> "xr.Dataset":
+        """Truth of all pairs, over pair, y and x; values are read when they are used. Not to be closed."""
+        return self._truth
+
+    @property
+    def variables(self) -> "dict[str, xr.Variable]":
+        """Every variable of `truth.nc`, coordinates too; values are read when they are used."""
+        return {str(name): variable for name, variable in self._truth.variables.items()}
+
     def picture(self, frame: int) -> "np.ndarray":
         """Picture of a frame: (H, W) uint8 or uint16.
 

@@ -4,6 +4,8 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from synth.checksums import write_checksums
+from synth.data_card import write_data_card
 from synth.footage import Footage
 
 if TYPE_CHECKING:
@@ -55,4 +57,7 @@ def render(
         render_analytic(recording, scene, folder, progress=progress)
     else:
         photograph(recording, scene, folder, device=device, threads=threads, progress=progress).close()
-    return Footage.open(folder)
+    footage = Footage.open(folder)
+    write_data_card(footage, scene)
+    write_checksums(folder)
+    return footage

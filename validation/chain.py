@@ -1,9 +1,11 @@
 """The steps from a scene to a scored report, each skipped where its result is there and whole."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
+from validation.exchange import Field, write_fields
 from validation.manifest import RunFolderError, file_digest, key_of
 from validation.material import Material
 from validation.methods import DEFAULT, Method
@@ -140,7 +142,7 @@ def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
         synth.render(recording, scene, folder, device=work.device, threads=work.threads, progress=progress)
 
 
-def export(run: RunFolder, *, terminal: Terminal) -> None:
+def export_vtk(run: RunFolder, *, terminal: Terminal) -> None:
     """Write `vtk/` from the recording and the scene of a run.
 
     Raises
@@ -149,7 +151,7 @@ def export(run: RunFolder, *, terminal: Terminal) -> None:
         There is no recording of this scene.
     """
     import synth
-    from synth.dataset.export import export_vtk
+    from synth.dataset.export import export_vtk as write_vtk
 
     scene = _simulated_scene(run)
     digest = run.manifest.steps["simulate"].facts["digest"]
@@ -160,7 +162,52 @@ def export(run: RunFolder, *, terminal: Terminal) -> None:
     with run.writing("export vtk", key) as draft, terminal.progress("export") as progress:
         folder = draft.folder / run.vtk.name
         folder.mkdir()
-        export_vtk(recording, scene, folder, progress=progress)
+        write_vtk(recording, scene, folder, progress=progress)
+
+
+def export_fields(run: RunFolder, material: Material, file_format: str, *, terminal: Terminal) -> None:
+    """Write `<file_format>/`: the truth and what every method measured.
+
+    Raises
+    ------
+    RunFolderError
+        There is neither.
+    """
+    methods = analyzed_methods(run, material, terminal=terminal)
+    if not methods and not material.has_truth:
+        raise RunFolderError(f"{material.folder}: neither truth nor analysis: nothing to export")
+    step = f"export {file_format}"
+    key = key_of(
+        step=step,
+        made_by=_made_by("numpy", "opencv-python-headless", "h5netcdf"),
+        pictures=material.digest,
+        truth=file_digest(material.truth) if material.has_truth else None,
+        analyses={method.slug: file_digest(run.analysis(method.slug)) for method in methods},
+    )
+    if _skips(run, step, key, terminal):
+        return
+    with run.writing(step, key) as draft, terminal.progress(step) as progress:
+        folder = draft.folder / file_format
+        folder.mkdir()
+        with _fields(run, material, methods) as fields:
+            write_fields(fields, material.sequence, file_format, folder, progress=progress)
+
+
+@contextmanager
+def _fields(run: RunFolder, material: Material, methods: Sequence[Method]) -> "Iterator[list[Field]]":
+    """Open the truth, if it is known, and what each method measured."""
+    import soft
+    import synth
+
+    with ExitStack() as stack:
+        fields = []
+        if material.has_truth:
+            footage = stack.enter_context(synth.Footage.open(material.folder))
+            fields.append(Field("truth", footage.truths))
+        for method in methods:
+            flow = stack.enter_context(soft.read_soil_flow(run.analysis(method.slug)))
+            fields.append(Field(method.slug, flow))
+        yield fields
 
 
 def footage_of(run: RunFolder) -> Material:

@@ -248,24 +248,40 @@ def render(
 
 @app.command()
 def export(
-    out: RunPath,
+    path: Annotated[Path, typer.Argument(metavar="OUT", help="A run folder, or a footage folder.")],
     file_format: Annotated[
-        Literal["vtk"],
-        typer.Option("--format", help="vtk: grains, implement, contacts for ParaView, OUT/vtk."),
+        Literal["vtk", "flo", "kitti", "netcdf", "csv", "mp4"],
+        typer.Option(
+            "--format",
+            help="vtk: grains, implement and contacts for ParaView. The others: truth and measured motion; "
+            "kitti rounds to 1/64 px, mp4 is for looking at only.",
+        ),
     ] = "vtk",
+    out: Out = None,
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Write a simulated run in a format of other programs."""
+    """Write what was simulated or measured in a format of other programs: OUT/FORMAT."""
     from validation import chain
     from validation.run_folder import RunFolder
 
     terminal = Terminal(json=json)
-    with terminal.working(), RunFolder.open(out) as run:
-        chain.export(run, terminal=terminal)
+    with terminal.working():
+        if file_format == "vtk":
+            with RunFolder.open(path) as run:
+                chain.export_vtk(run, terminal=terminal)
+        else:
+            with _material(path, out) as (run, material):
+                chain.export_fields(run, material, file_format, terminal=terminal)
         document = _step_document(run, f"export {file_format}")
-    terminal.show(", ".join(str(path) for path in sorted(run.vtk.glob("*.pvd"))))
+    terminal.show(_exported(run.path / file_format))
     terminal.give(document)
+
+
+def _exported(folder: Path) -> str:
+    """Name what lies in a folder, to open first."""
+    series = sorted(folder.glob("*.pvd"))
+    return ", ".join(map(str, series or sorted(folder.iterdir())))
 
 
 @app.command()
@@ -368,6 +384,24 @@ def run(
             scores = chain.score(folder, material, methods, terminal=terminal)
             chain.report(folder, material, methods, terminal=terminal)
     _show_scores(folder, scores, terminal)
+
+
+@app.command()
+def check(
+    path: Annotated[Path, typer.Argument(metavar="OUT", help="A run folder, or a footage folder.")],
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Verify hashes and form of every file, and name what is wrong; exit status 1 where something is."""
+    from validation.check import check_folder
+
+    terminal = Terminal(json=json)
+    with terminal.working(), terminal.progress("check") as progress:
+        findings = check_folder(path, progress=progress)
+    terminal.show(str(findings))
+    terminal.give(findings.to_dict())
+    if findings.faults:
+        raise typer.Exit(CHECK_FAILED)
 
 
 @app.command()

@@ -4,6 +4,7 @@ from soft.flow.estimate import DEFAULT, estimate_flow
 from soft.flow.field import FlowError, FlowField
 from soft.flow.files import FlowFiles
 from soft.flow.flo import read_flo, write_flo
+from soft.flow.kitti import read_kitti, write_kitti
 from soft.flow.registry import BUILT_IN, find_estimator
 
 __all__ = [
@@ -15,5 +16,7 @@ __all__ = [
     "estimate_flow",
     "find_estimator",
     "read_flo",
+    "read_kitti",
     "write_flo",
+    "write_kitti",
 ]

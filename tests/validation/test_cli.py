@@ -21,6 +21,8 @@ from validation.run_folder import PARTIAL_PREFIX
 WHOLE = {
     "analysis/dis.nc",
     "analysis/farneback.nc",
+    "footage/README.md",
+    "footage/SHA256SUMS",
     "footage/frames/000000.png",
     "footage/frames/000001.png",
     "footage/sequence.toml",
