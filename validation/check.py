@@ -65,7 +65,8 @@ class Findings:
 
     def __str__(self) -> str:
         lines = [f"{fault.file}: {fault.fault}" for fault in self.faults] + list(self.remarks)
-        verdict = f"{len(self.faults)} faults" if self.faults else "whole"
+        count = len(self.faults)
+        verdict = f"{count} {'fault' if count == 1 else 'faults'}" if count else "whole"
         return "\n".join([*lines, f"{self.folder}: {self.kind}, {self.file_count} files: {verdict}"])
 
 

@@ -255,7 +255,7 @@ def motion_colours(displacement: np.ndarray, *, top: float) -> np.ndarray:
     u, v = np.moveaxis(np.where(known[:, :, None], displacement, 0).astype(np.float64), -1, 0)
     hue = np.rint(np.mod(np.arctan2(v, u), 2 * np.pi) * 90 / np.pi) % 180
     value = 255 * np.minimum(np.hypot(u, v) / top, 1)
-    colours = np.dstack([hue, np.full(u.shape, 255.0), value]).astype(np.uint8)
+    colours = np.dstack([hue, np.full(u.shape, 255.0), np.rint(value)]).astype(np.uint8)
     picture = cv2.cvtColor(colours, cv2.COLOR_HSV2BGR)
     picture[~known] = 96
     return picture
