@@ -404,6 +404,38 @@ def check(
         raise typer.Exit(CHECK_FAILED)
 
 
+@app.command("compare-pictures")
+def compare_pictures(
+    a: Annotated[Path, typer.Argument(metavar="A", help="A picture, or a folder of pictures.")],
+    b: Annotated[Path, typer.Argument(metavar="B", help="What to set beside it.")],
+    crop_a: Annotated[
+        str | None, typer.Option(metavar="X,Y,W,H", help="Only this part of A, px.", show_default=False)
+    ] = None,
+    crop_b: Annotated[
+        str | None, typer.Option(metavar="X,Y,W,H", help="Only this part of B, px.", show_default=False)
+    ] = None,
+    out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The figure to write, a PNG.")] = Path(
+        "compare-pictures.png"
+    ),
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Set grey levels, grain size, spectrum, gradient and noise of pictures side by side."""
+    from validation import compare_pictures as compare
+    from validation.figures import to_png
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        crops = [None if text is None else compare.Crop.parse(text) for text in (crop_a, crop_b)]
+        first, second = (
+            compare.picture_statistics(compare.read_pictures(path, crop), path.name)
+            for path, crop in zip((a, b), crops, strict=True)
+        )
+        out.write_bytes(to_png(compare.draw_comparison(first, second)))
+    terminal.show("\n".join([*compare.comparison_lines(first, second), f"figure: {out}"]))
+    terminal.give(compare.comparison_document(first, second, out))
+
+
 @app.command()
 def verify(
     name: Annotated[Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver.")],
