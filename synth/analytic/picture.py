@@ -6,6 +6,7 @@ aliases but what the pixels themselves do, and the pictures are as exact as the 
 """
 
 import math
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from enum import IntEnum
 from typing import TYPE_CHECKING
@@ -41,12 +42,12 @@ def random_stream(seed: int, purpose: Purpose, frame: int = 0) -> np.random.Gene
 
 @dataclass(frozen=True, eq=False)
 class Grains:
-    """Grains in frame 0, (grain,) float64 each.
+    """Grains in a frame, (grain,) float64 each.
 
     Attributes
     ----------
     x, y : ndarray
-        Centre, px from the picture's middle.
+        Centre, px; from the picture's middle where nothing else is said.
     deviation : ndarray
         px, standard deviation of the grain as the lens shows it.
     light : ndarray
@@ -84,25 +85,29 @@ def light_of(scene: "AnalyticScene", grains: Grains, frame: int) -> np.ndarray:
 
     height, width = scene.camera.height, scene.camera.width
     x, y = scene.motion.place(grains.x, grains.y, frame)
-    column, row = x + (width - 1) / 2, y + (height - 1) / 2
-    reach = REACH * float(grains.deviation.max(initial=0.0)) + 0.5
+    placed = Grains(x + (width - 1) / 2, y + (height - 1) / 2, grains.deviation, grains.light)
     picture = np.full((height, width), scene.grains.mean)
-    tile = max(_LEAST_TILE, round(4 * reach))
-    # One thread, so that sums are taken in the same order on any machine of the same kind.
-    with threadpool_limits(1, "blas"):
-        for top in range(0, height, tile):
-            near = np.flatnonzero((row > top - reach) & (row < top + tile - 1 + reach))
-            near = near[np.argsort(column[near], kind="stable")]
-            edges = np.arange(0, width, tile)
-            begins = np.searchsorted(column[near], edges - reach)
-            ends = np.searchsorted(column[near], edges + tile - 1 + reach)
-            for left, begin, end in zip(edges, begins, ends, strict=True):
-                chosen, part = near[begin:end], picture[top : top + tile, left : left + tile]
-                deviation = grains.deviation[chosen]
-                along_y = _pixel_shares(row[chosen] - top, deviation, part.shape[0])
-                along_x = _pixel_shares(column[chosen] - left, deviation, part.shape[1])
-                part += (along_y * grains.light[chosen]) @ along_x.T
+    tile = max(_LEAST_TILE, round(4 * REACH * float(grains.deviation.max(initial=0.0))))
+    # Strips are apart, and each is summed by one thread: threads do not change any sum.
+    with threadpool_limits(1, "blas"), ThreadPoolExecutor() as pool:
+        list(pool.map(lambda top: _add_strip(picture, placed, top, tile), range(0, height, tile)))
     return picture
+
+
+def _add_strip(picture: np.ndarray, grains: Grains, top: int, tile: int) -> None:
+    """Add the grains' light to the rows from `top` on, tile by tile; grains are in image coordinates."""
+    reach = REACH * float(grains.deviation.max(initial=0.0)) + 0.5
+    near = np.flatnonzero((grains.y > top - reach) & (grains.y < top + tile - 1 + reach))
+    near = near[np.argsort(grains.x[near], kind="stable")]
+    edges = np.arange(0, picture.shape[1], tile)
+    begins = np.searchsorted(grains.x[near], edges - reach)
+    ends = np.searchsorted(grains.x[near], edges + tile - 1 + reach)
+    for left, begin, end in zip(edges, begins, ends, strict=True):
+        chosen, part = near[begin:end], picture[top : top + tile, left : left + tile]
+        deviation = grains.deviation[chosen]
+        along_y = _pixel_shares(grains.y[chosen] - top, deviation, part.shape[0])
+        along_x = _pixel_shares(grains.x[chosen] - left, deviation, part.shape[1])
+        part += (along_y * grains.light[chosen]) @ along_x.T
 
 
 def expose(scene: "AnalyticScene", light: np.ndarray, frame: int) -> np.ndarray:
