@@ -16,7 +16,7 @@ from synth.analytic.settings import (
     AnalyticTiming,
     GaussianGrains,
 )
-from synth.camera.settings import Camera, Lens, Light, Sensor, Texture
+from synth.camera.settings import Camera, Lens, Light, Nuisance, Sensor, Texture
 from synth.drive import Drive, Program
 from synth.implements import Implement, Plate
 from synth.scene_files import scene_names, scenes_folder, soil_names
@@ -27,7 +27,7 @@ SCHEMA_VERSION = 1
 GRAVITY = 9.81
 """Acceleration of gravity on Earth, m/s2, where a scene does not say otherwise."""
 
-_PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "grains"}
+_PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "nuisance", "grains"}
 _LABELS = {"name", "description", "quick"}
 _LONGEST_SHOWN = 80
 """Characters of a value that a complaint shows."""
@@ -114,6 +114,7 @@ class _Scene(_Titled):
     light: Light
     lens: Lens
     sensor: Sensor
+    nuisance: Nuisance = Nuisance()
 
 
 class SoilBinScene(_Scene):

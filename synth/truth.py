@@ -11,7 +11,7 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
-    from synth.camera.cover import Cover, PlacedGrains
+    from synth.camera.cover import Cover
     from synth.camera.implement_face import ImplementFace
     from synth.camera.motion import Motion, Placement, Surroundings
     from synth.camera.texture import MicroGrains
@@ -138,6 +138,7 @@ def true_motion(
         A frame that is not recorded, or twice the same one.
     """
     from synth.camera.cover import cover
+    from synth.camera.nuisance import as_seen
     from synth.devices import start_taichi
     from synth.scene import AnalyticScene
 
@@ -151,11 +152,12 @@ def true_motion(
 
         return _dataset(analytic_truth(scene, first, second), recording, scene)
     start_taichi(device, threads)
+    recording = as_seen(recording, scene)
     grains, motion = grains_and_motion(recording, scene)
     placements = _placements(motion, {first, second})
     covered = cover(scene, recording, grains, placements[first])
     surroundings = motion.surroundings(placements[first], second)
-    truth = pair_truth(scene, recording, grains, covered, surroundings, placements[first], placements[second])
+    truth = pair_truth(scene, recording, covered, surroundings, placements[first], placements[second])
     return _dataset(truth, recording, scene)
 
 
@@ -172,23 +174,24 @@ def grains_and_motion(recording: "Recording", scene: "Scene") -> "tuple[MicroGra
 def pair_truth(
     scene: "Scene",
     recording: "Recording",
-    grains: "MicroGrains",
     covered: "Cover",
     surroundings: "Surroundings",
     placement: "Placement",
     next_placement: "Placement",
 ) -> PairTruth:
     """Truth from the frame of `covered` and `placement` to that of `next_placement`."""
-    from synth.camera.cover import place
     from synth.camera.implement_face import face_of
     from synth.camera.view import View
 
     first, second = placement.frame, next_placement.frame
-    view, next_view = (View.of(scene.camera, recording, frame) for frame in (first, second))
-    following = place(grains, next_placement, next_view)
+    view, next_view = covered.view, View.of(scene, recording, second)
     next_face = face_of(scene, recording, second, next_view)
-    arrays = _motion_arrays(grains, covered, following, next_face, surroundings)
-    arrays["mixed"] = _mixed(grains, covered, following, next_face)
+    states = (placement.x, placement.z, placement.angle)
+    states += (next_placement.x, next_placement.z, next_placement.angle, next_placement.alive)
+    arrays = _motion_arrays(covered, states, next_view, next_face, surroundings)
+    arrays["mixed"] = _mixed(
+        covered, states, next_view, next_face, arrays["distance_to_implement"]
+    )
     arrays.update(_discontinuities(arrays))
     arrays["strain_rate"] /= abs(second - first)
     arrays["rotation"] /= second - first
@@ -198,7 +201,7 @@ def pair_truth(
 def _camera_motion(view: "View", next_view: "View") -> dict[str, float]:
     """Where the point that was on the optical axis has gone to, by the camera's motion alone."""
     axis = view.axis_x, view.axis_z
-    before, after = view.to_image(*axis), next_view.to_image(*axis)
+    before, after = view.to_ideal(*axis), next_view.to_ideal(*axis)
     return {"camera_u": after[0] - before[0], "camera_v": after[1] - before[1]}
 
 
@@ -214,32 +217,27 @@ def _placements(motion: "Motion", frames: set[int]) -> "dict[int, Placement]":
 
 
 def _motion_arrays(
-    grains: "MicroGrains",
     covered: "Cover",
-    following: "PlacedGrains",
+    states: "tuple[np.ndarray, ...]",
+    next_view: "View",
     next_face: "ImplementFace | None",
     surroundings: "Surroundings",
 ) -> "dict[str, np.ndarray]":
     import numpy as np
 
-    from synth.camera import kernels, truth_kernels
+    from synth.camera import cover_kernels, truth_kernels
 
     shape = covered.centres.shape
     arrays: dict[str, np.ndarray] = {
-        name: np.full(shape, np.nan, np.float32) for name in ("u", "v", "rotation", "strain_rate")
+        name: np.empty(shape, np.float32) for name in ("u", "v", "rotation", "strain_rate")
     }
-    arrays["particle_id"] = np.full(shape, -1, np.int32)
-    placed = covered.grains
+    arrays["particle_id"] = np.empty(shape, np.int32)
     truth_kernels.grain_motion(
-        _filled_voids(grains, covered),
-        grains.by_depth,
-        placed.x,
-        placed.y,
-        placed.angle,
-        following.x,
-        following.y,
-        following.angle,
-        following.alive,
+        _filled_voids(covered),
+        covered.tiled.grain,
+        *states,
+        truth_kernels.projection.numbers(covered.view.numbers),
+        truth_kernels.projection.numbers(next_view.numbers),
         surroundings.strain,
         surroundings.particle,
         arrays["u"],
@@ -249,7 +247,7 @@ def _motion_arrays(
         arrays["particle_id"],
     )
     arrays["soil"] = covered.soil
-    arrays["implement"] = covered.centres == kernels.IMPLEMENT
+    arrays["implement"] = covered.centres == cover_kernels.IMPLEMENT
     arrays["distance_to_implement"] = np.full(shape, np.inf, np.float32)
     if covered.face is not None and next_face is not None:
         _add_implement(arrays, covered.face, next_face)
@@ -262,26 +260,27 @@ def _lands_inside(u: "np.ndarray", v: "np.ndarray") -> "np.ndarray":
     import numpy as np
 
     height, width = u.shape
-    x, y = np.arange(width) + u, np.arange(height)[:, None] + v
+    x, y = np.arange(width, dtype=np.float32) + u, np.arange(height, dtype=np.float32)[:, None] + v
     return (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
 
 
-def _filled_voids(grains: "MicroGrains", covered: "Cover") -> "np.ndarray":
+def _filled_voids(covered: "Cover") -> "np.ndarray":
+    """Place among the tiled grains of the one at every pixel centre or, in a void, beside it; -1: none."""
     import numpy as np
 
     from synth.camera import truth_kernels
     from synth.camera.cover import VOID_REACH
+    from synth.camera.tiles import TILE
 
     filled = np.empty_like(covered.centres)
-    placed = covered.grains
     truth_kernels.fill_voids(
         covered.centres,
-        covered.soil.astype(np.uint8),
+        covered.soil.view(np.uint8),
         covered.samples,
-        grains.by_depth,
-        placed.x,
-        placed.y,
-        placed.radius,
+        covered.tiled.place,
+        covered.tiled.columns,
+        TILE,
+        covered.tiled.index_mask,
         covered.sampling,
         covered.margin,
         float(VOID_REACH),
@@ -298,14 +297,16 @@ def _add_implement(
 
     mask = arrays["implement"]
     rows, columns = np.nonzero(mask)
-    off_x, off_y = columns - face.x, rows - face.y
+    ideal_x, ideal_y = face.view.undistorted(columns, rows)
+    off_x, off_y = ideal_x - face.x, ideal_y - face.y
     move_x, move_y, cosine_less_one, sine = _rigid_motion(face, next_face)
-    arrays["u"][mask] = move_x + cosine_less_one * off_x - sine * off_y
-    arrays["v"][mask] = move_y + sine * off_x + cosine_less_one * off_y
+    to_x = ideal_x + move_x + cosine_less_one * off_x - sine * off_y
+    to_y = ideal_y + move_y + sine * off_x + cosine_less_one * off_y
+    to_x, to_y = next_face.view.distorted(to_x, to_y)
+    arrays["u"][mask], arrays["v"][mask] = to_x - columns, to_y - rows
     arrays["rotation"][mask] = next_face.angle - face.angle
     arrays["strain_rate"][mask] = 0
-    height, width = mask.shape
-    arrays["distance_to_implement"] = face.distance(width, height)
+    arrays["distance_to_implement"] = face.distance()
 
 
 def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[float, float, float, float]:
@@ -317,41 +318,53 @@ def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[fl
 
 
 def _mixed(
-    grains: "MicroGrains", covered: "Cover", following: "PlacedGrains", next_face: "ImplementFace | None"
+    covered: "Cover",
+    states: "tuple[np.ndarray, ...]",
+    next_view: "View",
+    next_face: "ImplementFace | None",
+    outside: "np.ndarray",
 ) -> "np.ndarray":
     import numpy as np
 
     from synth.camera import truth_kernels
+    from synth.camera.tiles import TILE
 
-    placed, face = covered.grains, covered.face
-    motion = np.empty((grains.count, 5), np.float32)
+    tiled, face = covered.tiled, covered.face
+    view = truth_kernels.projection.numbers(covered.view.numbers)
+    motion = np.empty((len(tiled.grain), 5), np.float32)
+    spread = np.empty(len(tiled.first) - 1, np.float32)
     truth_kernels.rigid_motions(
-        placed.x,
-        placed.y,
-        placed.angle,
-        following.x,
-        following.y,
-        following.angle,
-        following.alive,
+        tiled.first,
+        tiled.grain,
+        tiled.place,
+        covered.sampling,
+        *states,
+        view,
+        truth_kernels.projection.numbers(next_view.numbers),
         motion,
+        spread,
     )
-    wheel = (0.0,) * 6
+    body = (0.0,) * 6
     if face is not None and next_face is not None:
-        wheel = (face.x, face.y, *_rigid_motion(face, next_face))
+        body = (face.x, face.y, *_rigid_motion(face, next_face))
     mixed = np.empty(covered.centres.shape, np.uint8)
     truth_kernels.find_mixed(
         covered.samples,
-        grains.by_depth,
-        placed.x,
-        placed.y,
+        tiled.columns,
+        tiled.place,
         motion,
-        truth_kernels.wheel_vector(wheel),
+        spread,
+        outside,
+        truth_kernels.body_vector(body),
+        view,
+        TILE,
+        tiled.index_mask,
         covered.sampling,
         covered.margin,
         MIXED_LIMIT,
         mixed,
     )
-    return mixed.astype(bool)
+    return mixed.view(bool)
 
 
 def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]":
@@ -365,7 +378,7 @@ def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]"
 
     shape = arrays["u"].shape
     jump = np.empty(shape, np.float32)
-    truth_kernels.find_jumps(arrays["u"], arrays["v"], arrays["implement"].astype(np.uint8), JUMP_LIMIT, jump)
+    truth_kernels.find_jumps(arrays["u"], arrays["v"], arrays["implement"].view(np.uint8), JUMP_LIMIT, jump)
     row = np.empty(shape, np.int32)
     truth_kernels.nearest_in_column(jump, row)
     distance = np.full(shape, np.inf, np.float32)

@@ -3,6 +3,7 @@
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
+from synth.deflate import deflated_chunk
 from synth.truth import CAMERA_VARIABLES, VARIABLES, PairTruth, file_attributes
 
 if TYPE_CHECKING:
@@ -58,8 +59,10 @@ class TruthWriter:
         for name in CAMERA_VARIABLES:
             self._file.variables[name][pair] = truth.camera[name]
         for name, (dtype, _, _) in VARIABLES.items():
-            values = truth.arrays[name]
-            self._file.variables[name][pair] = values.astype("int8") if dtype == "bool" else values
+            values = truth.arrays[name].astype("int8" if dtype == "bool" else dtype, copy=False)
+            # h5netcdf has no way to write a chunk that is compressed already; h5py, below it, has.
+            chunk = self._file[name]._h5ds.id
+            chunk.write_direct_chunk((pair, 0, 0), deflated_chunk(values))
 
     def __enter__(self) -> Self:
         return self

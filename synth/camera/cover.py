@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from synth.camera.implement_face import ImplementFace, face_of
 from synth.camera.soil_region import soil_in_view
+from synth.camera.tiles import TILE, TiledGrains, sort_into_tiles
 from synth.camera.view import View
 
 if TYPE_CHECKING:
@@ -20,39 +21,17 @@ VOID_REACH = 3
 """px; a void this far from every visible grain is no longer the soil's: it is air."""
 
 
-@dataclass(frozen=True)
-class PlacedGrains:
-    """Micro-grains at a frame in the picture's coordinates; shape (grain,) each.
-
-    Attributes
-    ----------
-    x, y : float64
-        Centre, px.
-    angle : float64
-        From x towards y of the picture since the first frame, rad.
-    radius : float64
-        px.
-    alive : uint8
-    """
-
-    x: "np.ndarray"
-    y: "np.ndarray"
-    angle: "np.ndarray"
-    radius: "np.ndarray"
-    alive: "np.ndarray"
-
-
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Cover:
     """What is in front at a frame.
 
     Attributes
     ----------
     view : View
-    grains : PlacedGrains
+    tiled : TiledGrains
     face : ImplementFace or None
     samples : (S (H + 2 margin), S (W + 2 margin)) int32
-        Depth of the foremost micro-grain, `kernels.IMPLEMENT` or `kernels.NOTHING`.
+        Key of the foremost micro-grain, `cover_kernels.IMPLEMENT` or `cover_kernels.NOTHING`.
     centres : (H, W) int32
         The same at the pixels' centres, exactly.
     soil : (H, W) bool
@@ -64,7 +43,7 @@ class Cover:
     """
 
     view: View
-    grains: PlacedGrains
+    tiled: TiledGrains
     face: ImplementFace | None
     samples: "np.ndarray"
     centres: "np.ndarray"
@@ -73,35 +52,43 @@ class Cover:
     margin: int
 
 
-def place(grains: "MicroGrains", placement: "Placement", view: View) -> PlacedGrains:
-    """Micro-grains in a view's coordinates."""
-    x, y = view.to_image(placement.x, placement.z)
-    radius = view.length_to_image(grains.diameter / 2)
-    return PlacedGrains(x, y, view.angle_to_image(placement.angle), radius, placement.alive)
+def cover(
+    scene: "Scene",
+    recording: "Recording",
+    grains: "MicroGrains",
+    placement: "Placement",
+    *,
+    reuse: Cover | None = None,
+) -> Cover:
+    """Put micro-grains and implement in front of each other at a frame.
 
-
-def cover(scene: "Scene", recording: "Recording", grains: "MicroGrains", placement: "Placement") -> Cover:
-    """Put micro-grains and implement in front of each other at a frame."""
+    Parameters
+    ----------
+    reuse : Cover, optional
+        One of the same scene that is not needed any more: its samples are overwritten.
+    """
     import numpy as np
 
-    from synth.camera import kernels
+    from synth.camera import cover_kernels
 
-    frame = placement.frame
-    view = View.of(scene.camera, recording, frame)
-    face = face_of(scene, recording, frame, view)
-    placed = place(grains, placement, view)
+    view = View.of(scene, recording, placement.frame)
+    face = face_of(scene, recording, placement.frame, view)
     margin = max(math.ceil(4 * scene.lens.blur) + 1, VOID_REACH)
     sampling = scene.camera.supersampling
+    tiled = sort_into_tiles(grains, placement, view, sampling, margin)
     shape = sampling * (view.height + 2 * margin), sampling * (view.width + 2 * margin)
-    samples = np.full(shape, kernels.NOTHING, np.int32)
-    centres = np.full((view.height, view.width), kernels.NOTHING, np.int32)
-    kernels.cover_by_grains(
-        placed.x, placed.y, placed.radius, placed.alive, grains.depth, sampling, margin, samples, centres
+    samples = np.empty(shape, np.int32) if reuse is None else reuse.samples
+    centres = np.empty((view.height, view.width), np.int32)
+    cover_kernels.cover_by_grains(
+        tiled.first, tiled.columns, tiled.place, tiled.key, sampling, margin, TILE, samples, centres
     )
     if face is not None:
-        kernels.cover_by_implement(face.x, face.y, face.parts, face.reach, sampling, margin, samples, centres)
-    soil = _soil(soil_in_view(recording, frame, view, face), centres)
-    return Cover(view, placed, face, samples, centres, soil, sampling, margin)
+        numbers = cover_kernels.projection.numbers(view.numbers)
+        cover_kernels.cover_by_implement(
+            face.x, face.y, face.parts, numbers, sampling, margin, samples, centres
+        )
+    soil = _soil(soil_in_view(recording, placement.frame, view, face), centres)
+    return Cover(view, tiled, face, samples, centres, soil, sampling, margin)
 
 
 def _soil(region: "np.ndarray", centres: "np.ndarray") -> "np.ndarray":
@@ -109,10 +96,11 @@ def _soil(region: "np.ndarray", centres: "np.ndarray") -> "np.ndarray":
     import cv2
     import numpy as np
 
-    from synth.camera import kernels
+    from synth.camera import cover_kernels
 
-    grain = (centres != kernels.NOTHING) & (centres != kernels.IMPLEMENT)
+    grain = (centres != cover_kernels.NOTHING) & (centres != cover_kernels.IMPLEMENT)
     if not grain.any():
         return grain
-    away = cv2.distanceTransform((~grain).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_PRECISE)
-    return grain | (region & (centres == kernels.NOTHING) & (away < VOID_REACH))
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * VOID_REACH - 1, 2 * VOID_REACH - 1))
+    near = cv2.dilate(grain.view(np.uint8), disc).view(bool)
+    return grain | (region & (centres == cover_kernels.NOTHING) & near)

@@ -2,20 +2,129 @@
 """Taichi kernels of the particles' motion. Import this module only after `synth.devices.start_taichi`.
 
 World coordinates throughout: m, z up. Particles are sorted by square cells; `first` holds each cell's first
-particle, with one entry more than there are cells. Every thread gathers for its own points.
+particle, with one entry more than there are cells. `grid` holds the cells' left, bottom and size, `shape` their
+columns and rows. Every thread gathers for its own points.
 """
 
 import taichi as ti
 
-_f64 = ti.types.ndarray(dtype=ti.f64)
-_f32 = ti.types.ndarray(dtype=ti.f32)
-_i32 = ti.types.ndarray(dtype=ti.i32)
-_u8 = ti.types.ndarray(dtype=ti.u8)
+_f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
+_f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
+_f64_block = ti.types.ndarray(dtype=ti.f64, ndim=3)
+_f64_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f64), ndim=2)
+_f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
+_i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
+_i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
+_u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
+_u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
+grid_vector = ti.types.vector(3, ti.f64)
+shape_vector = ti.types.vector(2, ti.i32)
+
+NOWHERE, FREE, BESIDE, INNER = 0, 1, 2, 3
+"""A node without a particle near, one with, one beside the implement, whose value holds on its side only, and one
+that is free with all around it."""
+_BLOCK = 256
+"""Points that a thread does at a time."""
 
 
 @ti.func
-def _cell(position, origin, size, count):
-    return ti.min(ti.max(int(ti.floor((position - origin) / size)), 0), count - 1)
+def _cells_around(x, z, reach, grid, shape):
+    """Columns and rows, first and last, of the cells within reach."""
+    low = ti.Vector([x - reach - grid[0], z - reach - grid[1]]) / grid[2]
+    high = ti.Vector([x + reach - grid[0], z + reach - grid[1]]) / grid[2]
+    top = ti.Vector([shape[0] - 1, shape[1] - 1])
+    low_i = ti.min(ti.max(int(ti.floor(low[0])), 0), top[0])
+    low_j = ti.min(ti.max(int(ti.floor(low[1])), 0), top[1])
+    high_i = ti.min(ti.max(int(ti.floor(high[0])), 0), top[0])
+    high_j = ti.min(ti.max(int(ti.floor(high[1])), 0), top[1])
+    return ti.Vector([low_i, high_i, low_j, high_j])
+
+
+@ti.kernel
+def fit_neighbours(
+    x: _f64,
+    z: _f64,
+    moved_x: _f64,
+    moved_z: _f64,
+    first: _i32,
+    grid: grid_vector,
+    shape: shape_vector,
+    reach: ti.f64,
+    floor: ti.f64,
+    expected: _f64_table,
+):
+    """Displacement of every particle that its neighbours within `reach` lead to expect: columns 0 and 1.
+
+    It is that of an affine motion fitted to the neighbours alone; NaN where there are fewer than six, or they
+    spread less than `floor` (m2) in a direction.
+    """
+    for p in range(x.shape[0]):
+        weight_sum, count = 0.0, 0
+        middle, shift = ti.Vector.zero(ti.f64, 2), ti.Vector.zero(ti.f64, 2)
+        spread, cross = ti.Matrix.zero(ti.f64, 2, 2), ti.Matrix.zero(ti.f64, 2, 2)
+        box = _cells_around(x[p], z[p], reach, grid, shape)
+        for r in range(box[2], box[3] + 1):
+            for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
+                away = ti.Vector([x[q] - x[p], z[q] - z[p]])
+                square = away.norm_sqr() / (reach * reach)
+                if square < 1.0 and q != p:
+                    weight = (1.0 - square) ** 2
+                    relative = ti.Vector([moved_x[q] - moved_x[p], moved_z[q] - moved_z[p]])
+                    weight_sum += weight
+                    count += 1
+                    middle += weight * away
+                    shift += weight * relative
+                    spread += weight * away.outer_product(away)
+                    cross += weight * relative.outer_product(away)
+        expected[p, 0] = expected[p, 1] = ti.math.nan
+        if count >= 6:
+            middle, shift = middle / weight_sum, shift / weight_sum
+            spread = spread / weight_sum - middle.outer_product(middle)
+            cross = cross / weight_sum - shift.outer_product(middle)
+            mean, half = 0.5 * (spread[0, 0] + spread[1, 1]), 0.5 * (spread[0, 0] - spread[1, 1])
+            if mean - ti.sqrt(half * half + spread[0, 1] * spread[0, 1]) >= floor:
+                found = shift - cross @ _floored_inverse(spread, floor) @ middle
+                expected[p, 0], expected[p, 1] = moved_x[p] + found[0], moved_z[p] + found[1]
+
+
+@ti.kernel
+def find_loose(
+    x: _f64,
+    z: _f64,
+    moved_x: _f64,
+    moved_z: _f64,
+    expected: _f64_table,
+    first: _i32,
+    grid: grid_vector,
+    shape: shape_vector,
+    reach: ti.f64,
+    ratio: ti.f64,
+    least: ti.f64,
+    loose: _u8,
+):
+    """Particles further from what is expected of them than `ratio` times their neighbours' median plus `least`.
+
+    The normalised median test of Westerweel and Scarano, Experiments in Fluids 39, 2005, with residuals of
+    affine fits in place of those of medians: a gradient is no outlier.
+    """
+    for p in range(x.shape[0]):
+        loose[p] = ti.u8(0)
+        own = ti.sqrt((moved_x[p] - expected[p, 0]) ** 2 + (moved_z[p] - expected[p, 1]) ** 2)
+        if own > least:  # NaN is not
+            count, below = 0, 0
+            box = _cells_around(x[p], z[p], reach, grid, shape)
+            limit = (own - least) / ratio
+            for r in range(box[2], box[3] + 1):
+                for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
+                    square = (x[q] - x[p]) ** 2 + (z[q] - z[p]) ** 2
+                    if square < reach * reach and q != p:
+                        other = ti.sqrt((moved_x[q] - expected[q, 0]) ** 2 + (moved_z[q] - expected[q, 1]) ** 2)
+                        if other >= 0.0:
+                            count += 1
+                            below += int(other < limit)
+            # The median is below the limit where more than half of the neighbours are.
+            if count >= 4 and 2 * below > count:
+                loose[p] = ti.u8(1)
 
 
 @ti.kernel
@@ -24,34 +133,29 @@ def fit_gradients(
     z: _f64,
     moved_x: _f64,
     moved_z: _f64,
+    loose: _u8,
     first: _i32,
-    columns: ti.i32,
-    rows: ti.i32,
-    left: ti.f64,
-    bottom: ti.f64,
-    cell: ti.f64,
+    grid: grid_vector,
+    shape: shape_vector,
     reach: ti.f64,
     floor: ti.f64,
-    gradient: _f64,
+    gradient: _f64_block,
 ):
     """Displacement gradient at every particle by weighted least squares over its neighbours within `reach`.
 
-    Particles are sorted by cell (`first` holds each cell's first). Directions in which the neighbours spread
-    less than `floor` (m2) count as if they spread that much: the gradient fades there instead of blowing up.
+    Loose neighbours do not count. Directions in which the others spread less than `floor` (m2) count as if they
+    spread that much: the gradient fades there instead of blowing up.
     """
-    ring = int(ti.ceil(reach / cell))
     for p in range(x.shape[0]):
         spread = ti.Matrix.zero(ti.f64, 2, 2)
         cross = ti.Matrix.zero(ti.f64, 2, 2)
         weight_sum = 1.0
-        column, row = _cell(x[p], left, cell, columns), _cell(z[p], bottom, cell, rows)
-        for r in range(ti.max(row - ring, 0), ti.min(row + ring, rows - 1) + 1):
-            begin = first[r * columns + ti.max(column - ring, 0)]
-            end = first[r * columns + ti.min(column + ring, columns - 1) + 1]
-            for q in range(begin, end):
+        box = _cells_around(x[p], z[p], reach, grid, shape)
+        for r in range(box[2], box[3] + 1):
+            for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
                 away = ti.Vector([x[q] - x[p], z[q] - z[p]])
                 square = away.norm_sqr() / (reach * reach)
-                if square < 1.0 and q != p:
+                if square < 1.0 and q != p and loose[q] == 0:
                     weight = (1.0 - square) ** 2
                     relative = ti.Vector([moved_x[q] - moved_x[p], moved_z[q] - moved_z[p]])
                     spread += weight * away.outer_product(away)
@@ -82,66 +186,240 @@ def _floored_inverse(matrix, floor):
     )
 
 
+@ti.func
+def _to_segment(px, pz, ax, az, bx, bz):
+    """From a point to the nearest point of a line from a to b."""
+    ex, ez = bx - ax, bz - az
+    length = ex * ex + ez * ez
+    along = 0.0
+    if length > 0.0:
+        along = ti.max(0.0, ti.min(1.0, ((px - ax) * ex + (pz - az) * ez) / length))
+    return ti.Vector([ax + along * ex - px, az + along * ez - pz])
+
+
+@ti.func
+def _outside(x, z, parts: ti.template()):
+    """A point, or the nearest point of the implement's outline where it lies inside, and its distance before.
+
+    `parts` are the implement's capsules in the world: both ends and the radius, m.
+    """
+    nearest, to_x, to_z, radius = ti.math.inf, 0.0, 0.0, 0.0
+    for c in range(parts.shape[0]):
+        to = _to_segment(x, z, parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3])
+        if to.norm() - parts[c, 4] < nearest:
+            nearest, to_x, to_z, radius = to.norm() - parts[c, 4], to[0], to[1], parts[c, 4]
+    out_x, out_z = x, z
+    if nearest < 0.0:
+        length = ti.max(nearest + radius, 1e-12)
+        out_x, out_z = x + to_x - to_x / length * radius, z + to_z - to_z / length * radius
+    return ti.Vector([out_x, out_z, nearest])
+
+
+@ti.func
+def _behind(px, pz, qx, qz, parts: ti.template()):
+    """Whether the line from p to q goes through the implement: nearer to a capsule's axis than half its radius."""
+    hidden = False
+    for c in range(parts.shape[0]):
+        ax, az, bx, bz = parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3]
+        core = 0.5 * parts[c, 4]
+        side_a = (qx - px) * (az - pz) - (qz - pz) * (ax - px)
+        side_b = (qx - px) * (bz - pz) - (qz - pz) * (bx - px)
+        side_p = (bx - ax) * (pz - az) - (bz - az) * (px - ax)
+        side_q = (bx - ax) * (qz - az) - (bz - az) * (qx - ax)
+        crossing = side_a * side_b < 0.0 and side_p * side_q < 0.0
+        near = ti.min(
+            _to_segment(ax, az, px, pz, qx, qz).norm(),
+            _to_segment(bx, bz, px, pz, qx, qz).norm(),
+        )
+        hidden = hidden or crossing or near < core
+    return hidden
+
+
+@ti.func
+def _blend(
+    at_x,
+    at_z,
+    x: ti.template(),
+    z: ti.template(),
+    moved_x: ti.template(),
+    moved_z: ti.template(),
+    gradient: ti.template(),
+    first: ti.template(),
+    grid,
+    shape,
+    reach,
+    parts: ti.template(),
+):
+    """Displacement, turn and strain at a place, the nearest particle (-1: none), and the implement's distance.
+
+    A partition of unity over the affine motions of the particles within reach that the implement does not
+    hide. The weights are Wendland's C2 function of the distance.
+    """
+    eye = _outside(at_x, at_z, parts)
+    beside = eye[2] < reach
+    blended, stretch = ti.Vector.zero(ti.f64, 2), ti.Matrix.zero(ti.f64, 2, 2)
+    weight_sum, closest, nearest = 0.0, reach * reach, -1
+    box = _cells_around(at_x, at_z, reach, grid, shape)
+    for r in range(box[2], box[3] + 1):
+        for p in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
+            away = ti.Vector([at_x - x[p], at_z - z[p]])
+            square = away.norm_sqr()
+            if square < reach * reach and not (beside and _behind(eye[0], eye[1], x[p], z[p], parts)):
+                ratio = ti.sqrt(square) / reach
+                rest = (1.0 - ratio) * (1.0 - ratio)
+                weight = rest * rest * (1.0 + 4.0 * ratio)
+                local = ti.Matrix([[gradient[p, 0, 0], gradient[p, 0, 1]], [gradient[p, 1, 0], gradient[p, 1, 1]]])
+                blended += weight * (ti.Vector([moved_x[p], moved_z[p]]) + local @ away)
+                stretch += weight * local
+                weight_sum += weight
+                if square < closest:
+                    closest, nearest = square, p
+    turn, strain = 0.0, 0.0
+    if weight_sum > 1e-12:
+        blended /= weight_sum
+        stretch /= weight_sum
+        # The rotation in F = I + grad u (polar decomposition); half the curl where it is small.
+        turn = ti.atan2(stretch[1, 0] - stretch[0, 1], 2.0 + stretch[0, 0] + stretch[1, 1])
+        strain = _shear_strain(stretch)
+    else:
+        nearest = -1
+    return ti.Vector([blended[0], blended[1], turn, strain, ti.cast(nearest, ti.f64), eye[2]])
+
+
 @ti.kernel
-def blend_motion(
-    point_x: _f64,
-    point_z: _f64,
+def blend_at_nodes(
+    x: _f64,
+    z: _f64,
+    moved_x: _f64,
+    moved_z: _f64,
+    gradient: _f64_block,
+    first: _i32,
+    grid: grid_vector,
+    shape: shape_vector,
+    reach: ti.f64,
+    parts: _f64_table,
+    left: ti.f64,
+    bottom: ti.f64,
+    spacing: ti.f64,
+    value: _f64_fours,
+    nearest: _i32_table,
+    state: _u8_table,
+):
+    """Motion at the nodes of a square grid, `spacing` apart: displacement, turn and strain."""
+    for j in range(state.shape[0]):
+        for i in range(state.shape[1]):
+            found = _blend(
+                left + i * spacing,
+                bottom + j * spacing,
+                x,
+                z,
+                moved_x,
+                moved_z,
+                gradient,
+                first,
+                grid,
+                shape,
+                reach,
+                parts,
+            )
+            value[j, i] = ti.Vector([found[0], found[1], found[2], found[3]])
+            nearest[j, i] = int(found[4])
+            state[j, i] = ti.u8(NOWHERE)
+            if nearest[j, i] >= 0:
+                state[j, i] = ti.u8(FREE)
+            if found[5] < 3.0 * spacing:
+                state[j, i] = ti.u8(BESIDE)
+
+
+@ti.kernel
+def find_inner(state: _u8_table):
+    """Mark the free nodes between free ones; a thread's own mark does not change what others find."""
+    for j in range(1, state.shape[0] - 1):
+        for i in range(1, state.shape[1] - 1):
+            free = True
+            for n in ti.static(range(9)):
+                around = state[j + n // 3 - 1, i + n % 3 - 1]
+                free = free and (around == FREE or around == INNER)
+            if free:
+                state[j, i] = ti.u8(INNER)
+
+
+@ti.kernel
+def carry(
+    at_x: _f64,
+    at_z: _f64,
+    angle: _f64,
     alive: _u8,
     x: _f64,
     z: _f64,
     moved_x: _f64,
     moved_z: _f64,
-    gradient: _f64,
+    gradient: _f64_block,
     first: _i32,
-    columns: ti.i32,
-    rows: ti.i32,
+    order: _i32,
+    grid: grid_vector,
+    shape: shape_vector,
+    reach: ti.f64,
+    parts: _f64_table,
     left: ti.f64,
     bottom: ti.f64,
-    cell: ti.f64,
-    reach: ti.f64,
-    displacement: _f64,
-    turn: _f64,
+    spacing: ti.f64,
+    value: _f64_fours,
+    nearest: _i32_table,
+    state: _u8_table,
+    next_x: _f64,
+    next_z: _f64,
+    next_angle: _f64,
+    next_alive: _u8,
     strain: _f32,
-    nearest: _i32,
+    particle: _i32,
 ):
-    """Motion of points by a partition of unity over the affine motions of the particles within `reach`.
+    """Move points by quadratic B-splines over the nodes around; beside the implement, by the particles themselves.
 
-    The weights are Wendland's C2 function of the distance, normalised to one. `nearest` is -1 where no
-    particle is within reach.
+    Nodes without a particle near do not count. A point without one is lost.
     """
-    ring = int(ti.ceil(reach / cell))
-    for g in range(point_x.shape[0]):
-        nearest[g] = -1
-        if alive[g] == 1:
-            blended = ti.Vector.zero(ti.f64, 2)
-            stretch = ti.Matrix.zero(ti.f64, 2, 2)
-            weight_sum = 0.0
-            closest = 1.0
-            column, row = _cell(point_x[g], left, cell, columns), _cell(point_z[g], bottom, cell, rows)
-            for r in range(ti.max(row - ring, 0), ti.min(row + ring, rows - 1) + 1):
-                begin = first[r * columns + ti.max(column - ring, 0)]
-                end = first[r * columns + ti.min(column + ring, columns - 1) + 1]
-                for p in range(begin, end):
-                    away = ti.Vector([point_x[g] - x[p], point_z[g] - z[p]])
-                    if away.norm_sqr() < reach * reach:
-                        ratio = away.norm() / reach
-                        weight = (1.0 - ratio) ** 4 * (1.0 + 4.0 * ratio)
-                        local = ti.Matrix(
-                            [[gradient[p, 0, 0], gradient[p, 0, 1]], [gradient[p, 1, 0], gradient[p, 1, 1]]]
-                        )
-                        blended += weight * (ti.Vector([moved_x[p], moved_z[p]]) + local @ away)
-                        stretch += weight * local
-                        weight_sum += weight
-                        if ratio < closest:
-                            closest = ratio
-                            nearest[g] = p
-            if weight_sum > 1e-12:
-                blended /= weight_sum
-                stretch /= weight_sum
-                displacement[g, 0], displacement[g, 1] = blended[0], blended[1]
-                # The rotation in F = I + grad u (polar decomposition); half the curl where it is small.
-                turn[g] = ti.atan2(stretch[1, 0] - stretch[0, 1], 2.0 + stretch[0, 0] + stretch[1, 1])
-                strain[g] = ti.cast(_shear_strain(stretch), ti.f32)
+    for block in range((at_x.shape[0] + _BLOCK - 1) // _BLOCK):
+        for g in range(block * _BLOCK, ti.min((block + 1) * _BLOCK, at_x.shape[0])):
+            p, q = at_x[g], at_z[g]
+            u, v, turn, strained, near = 0.0, 0.0, 0.0, 0.0, -1
+            s, t = (p - left) / spacing, (q - bottom) / spacing
+            i, j = int(ti.round(s)), int(ti.round(t))
+            if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
+                if state[j, i] == BESIDE:
+                    found = _blend(
+                        p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts
+                    )
+                    u, v, turn, strained, near = found[0], found[1], found[2], found[3], int(found[4])
+                else:
+                    inner = state[j, i] == INNER
+                    a, b = s - i, t - j
+                    across = ti.Vector([0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)])
+                    upwards = ti.Vector([0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)])
+                    whole, closest, blended = 0.0, reach * reach, ti.Vector.zero(ti.f64, 4)
+                    for n in ti.static(range(3)):
+                        for m in ti.static(range(3)):
+                            row, column = j + n - 1, i + m - 1
+                            if inner or nearest[row, column] >= 0:
+                                weight = across[m] * upwards[n]
+                                whole += weight
+                                blended += weight * value[row, column]
+                    if not inner and whole > 0.0:
+                        blended /= whole
+                    u, v, turn, strained = blended[0], blended[1], blended[2], blended[3]
+                    last = -1
+                    low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
+                    for n in ti.static(range(4)):
+                        candidate = nearest[low_j + n // 2, low_i + n % 2]
+                        if candidate >= 0 and candidate != last:
+                            square = (p - x[candidate]) ** 2 + (q - z[candidate]) ** 2
+                            if square < closest:
+                                closest, near = square, candidate
+                        last = candidate
+            strain[g], particle[g], next_alive[g] = ti.cast(strained, ti.f32), -1, ti.u8(0)
+            next_x[g], next_z[g], next_angle[g] = p, q, angle[g]
+            if near >= 0:
+                particle[g], next_alive[g] = order[near], ti.u8(1)
+                next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
 
 
 @ti.func

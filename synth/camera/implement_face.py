@@ -28,6 +28,8 @@ class ImplementFace:
         edge of a closed outline, else 0.
     wheel_radius : float
         px; 0 for what is no wheel and has a plain side.
+    view : View
+        Whose image coordinates these are, had it an ideal lens.
     """
 
     x: float
@@ -35,27 +37,21 @@ class ImplementFace:
     angle: float
     parts: "np.ndarray"
     wheel_radius: float
+    view: View
 
-    @property
-    def reach(self) -> float:
-        """Greatest distance of a point of the implement from its reference point, px; a bound."""
+    def padded(self, pad: int) -> "ImplementFace":
+        """The same in a picture with `pad` px more on every side."""
+        return replace(self, x=self.x + pad, y=self.y + pad, view=self.view.padded(pad))
+
+    def distance(self) -> "np.ndarray":
+        """Distance of every pixel's centre to the implement, px of an ideal lens: (H, W) float32, 0 on it."""
         import numpy as np
 
-        ends = np.hypot(self.parts[:, 0:4:2], self.parts[:, 1:4:2]).max(axis=1)
-        return float((ends + self.parts[:, 4]).max())
+        from synth.camera import cover_kernels
 
-    def moved(self, x: float, y: float) -> "ImplementFace":
-        """Shift by `x`, `y` px."""
-        return replace(self, x=self.x + x, y=self.y + y)
-
-    def distance(self, width: int, height: int) -> "np.ndarray":
-        """Distance of every pixel's centre to the implement, px: (H, W) float32, 0 on it."""
-        import numpy as np
-
-        from synth.camera import kernels
-
-        distance = np.empty((height, width), np.float32)
-        kernels.distance_to_implement(self.x, self.y, self.parts, distance)
+        distance = np.empty((self.view.height, self.view.width), np.float32)
+        numbers = cover_kernels.projection.numbers(self.view.numbers)
+        cover_kernels.distance_to_implement(self.x, self.y, self.parts, numbers, distance)
         return distance
 
 
@@ -67,15 +63,15 @@ def face_of(scene: "Scene", recording: "Recording", frame: int, view: View) -> I
     data = recording.data
     at = float(data["implement_x"].values[frame]), float(data["implement_z"].values[frame])
     turn = float(data["implement_angle"].values[frame])
-    x, y = view.to_image(*at)
+    x, y = view.to_ideal(*at)
     radius = implement.radius if isinstance(implement, RigidWheel) else 0.0
     parts = _parts_in_view(implement.shape.turned(turn), at, view)
-    return ImplementFace(x, y, view.angle_to_image(turn), parts, view.length_to_image(radius))
+    return ImplementFace(x, y, view.angle_to_image(turn), parts, view.length_to_image(radius), view)
 
 
 def _parts_in_view(shape: Shape, at: tuple[float, float], view: View) -> "np.ndarray":
     import numpy as np
 
-    axle = np.array(view.to_image(*at))
-    ends = [np.stack(view.to_image(*(points + at).T), axis=1) - axle for points in (shape.start, shape.end)]
+    axle = np.array(view.to_ideal(*at))
+    ends = [np.stack(view.to_ideal(*(points + at).T), axis=1) - axle for points in (shape.start, shape.end)]
     return np.column_stack([*ends, view.length_to_image(shape.radius), shape.closed])

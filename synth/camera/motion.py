@@ -3,11 +3,12 @@
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Protocol
 
-from synth.camera.particle_field import Blend, ParticleField
+import numpy as np
+
+from synth.camera import particle_field
+from synth.camera.particle_field import ParticleField
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from synth.camera.texture import MicroGrains
     from synth.recording import Recording
     from synth.scene import Scene
@@ -72,8 +73,8 @@ def motion_of(scene: "Scene", recording: "Recording", grains: "MicroGrains") -> 
     if recording.data.sizes["particle"] == 0:
         return OnPlate(recording, grains)
     if scene.texture.motion == "carried":
-        return Carried(recording, grains)
-    return Interpolated(recording, grains)
+        return Carried(recording, grains, scene)
+    return Interpolated(recording, grains, scene)
 
 
 class OnPlate:
@@ -97,8 +98,6 @@ class OnPlate:
         return _none_around(self._grains.count)
 
     def _at(self, frame: int) -> Placement:
-        import numpy as np
-
         turn = self._angle[frame] - self._angle[0]
         (pin_x, pin_z), grains = self._pin, self._grains
         off_x, off_z = _turned(grains.x - pin_x[0], grains.z - pin_z[0], turn)
@@ -109,9 +108,11 @@ class OnPlate:
 class Carried:
     """Every grain moves rigidly with the particle it lies on in the first frame, rotation included."""
 
-    def __init__(self, recording: "Recording", grains: "MicroGrains") -> None:
-        first = ParticleField(recording, 0, 0).at(grains.x, grains.z, _all_alive(grains))
+    def __init__(self, recording: "Recording", grains: "MicroGrains", scene: "Scene") -> None:
+        still = ParticleField(recording, 0, 0, scene)
+        first = still.carry(grains.x, grains.z, np.zeros(grains.count), _all_alive(grains))
         self._recording, self._grains, self._owner = recording, grains, first.particle
+        self._scene = scene
         self._alive = (first.particle >= 0).astype("uint8")
 
     def start(self) -> Placement:
@@ -124,12 +125,10 @@ class Carried:
 
     def surroundings(self, placement: Placement, second: int) -> Surroundings:
         """Carrying particle, and the strain of the particles around it."""
-        strain = ParticleField(self._recording, placement.frame, second).strain_of_particles()
+        strain = ParticleField(self._recording, placement.frame, second, self._scene).strain_of_particles()
         return Surroundings(self._owner, strain[self._owner])
 
     def _at(self, frame: int) -> Placement:
-        import numpy as np
-
         data, grains, owner = self._recording.data, self._grains, self._owner
         x, z, angle = (data[name].values.astype(np.float64) for name in ("position_x", "position_z", "angle"))
         turn = (angle[frame] - angle[0])[owner]
@@ -143,63 +142,48 @@ class Interpolated:
     Only particles act: the implement does not, and a grain near which there is none any more is lost.
     """
 
-    def __init__(self, recording: "Recording", grains: "MicroGrains") -> None:
-        self._recording, self._grains = recording, grains
-        self._latest: tuple[Placement, Blend] | None = None
+    def __init__(self, recording: "Recording", grains: "MicroGrains", scene: "Scene") -> None:
+        self._recording, self._grains, self._scene = recording, grains, scene
+        self._latest: tuple[Placement, particle_field.Carried] | None = None
 
     def start(self) -> Placement:
         """Placement in the first frame."""
-        import numpy as np
-
         grains = self._grains
         return Placement(0, grains.x, grains.z, np.zeros(grains.count), _all_alive(grains))
 
     def advance(self, placement: Placement) -> Placement:
         """Placement one frame later."""
-        blend = self._blend(placement, placement.frame + 1)
-        alive = placement.alive * (blend.particle >= 0).astype("uint8")
-        return Placement(
-            placement.frame + 1,
-            placement.x + blend.displacement[:, 0],
-            placement.z + blend.displacement[:, 1],
-            placement.angle + blend.turn,
-            alive,
-        )
+        carried = self._carried(placement, placement.frame + 1)
+        return Placement(placement.frame + 1, carried.x, carried.z, carried.angle, carried.alive)
 
     def surroundings(self, placement: Placement, second: int) -> Surroundings:
-        """Nearest particle, and the strain blended at the grain."""
-        blend = self._blend(placement, second)
-        return Surroundings(blend.particle, blend.strain)
+        """Nearest particle, and the strain at the grain."""
+        carried = self._carried(placement, second)
+        return Surroundings(carried.particle, carried.strain)
 
-    def _blend(self, placement: Placement, second: int) -> Blend:
+    def _carried(self, placement: Placement, second: int) -> particle_field.Carried:
         if second != placement.frame + 1:
-            return self._blend_anew(placement, second)
+            return self._carried_anew(placement, second)
         if (
             self._latest is None or self._latest[0] is not placement
         ):  # asked for twice: motion and surroundings
-            self._latest = placement, self._blend_anew(placement, second)
+            self._latest = placement, self._carried_anew(placement, second)
         return self._latest[1]
 
-    def _blend_anew(self, placement: Placement, second: int) -> Blend:
-        field = ParticleField(self._recording, placement.frame, second)
-        return field.at(placement.x, placement.z, placement.alive)
+    def _carried_anew(self, placement: Placement, second: int) -> particle_field.Carried:
+        field = ParticleField(self._recording, placement.frame, second, self._scene)
+        return field.carry(placement.x, placement.z, placement.angle, placement.alive)
 
 
 def _turned(x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray") -> tuple["np.ndarray", "np.ndarray"]:
     """Offsets turned counter-clockwise by an angle."""
-    import numpy as np
-
     cosine, sine = np.cos(angle), np.sin(angle)
     return cosine * x - sine * z, sine * x + cosine * z
 
 
 def _all_alive(grains: "MicroGrains") -> "np.ndarray":
-    import numpy as np
-
     return np.ones(grains.count, np.uint8)
 
 
 def _none_around(count: int) -> Surroundings:
-    import numpy as np
-
     return Surroundings(np.full(count, -1, np.int32), np.zeros(count, np.float32))

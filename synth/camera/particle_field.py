@@ -2,12 +2,14 @@
 
 import math
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from functools import cached_property
+from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
     import numpy as np
 
     from synth.recording import Recording
+    from synth.scene import Scene
 
 _FIT_REACH = 2.5
 """Neighbours up to this distance, in mean particle diameters, take part in a particle's affine fit."""
@@ -15,26 +17,36 @@ _BLEND_REACH = 1.75
 """A particle's affine motion acts up to this distance, in mean diameters: about ten act at any place."""
 _FLOOR = 0.05
 """Least spread of the neighbours, in squared mean diameters, that a fit trusts; a full ring has 0.3."""
+_NODE_SPACING = 1 / 3
+"""Of the nodes the field is computed at, in mean diameters: a fifth of the reach of what varies between them."""
+_LOOSE_RATIO = 5.0
+"""A particle this many times further from what its neighbours lead to expect than these are is loose."""
+_LOOSE_LEAST = 0.005
+"""What is never loose, in mean diameters."""
 
 
 @dataclass(frozen=True)
-class Blend:
-    """Motion of points between two frames; shape (point,) and (point, 2).
+class Carried:
+    """Points after the motion between two frames; shape (point,) each.
 
     Attributes
     ----------
-    displacement : float64
-        m, x and z.
-    turn : float64
+    x, z : float64
+        m.
+    angle : float64
         rad, counter-clockwise.
+    alive : uint8
+        0 for points without a particle near.
     strain : float32
         Equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement gradient.
     particle : int32
-        Nearest particle; -1 where none is near: there the other values are 0.
+        Nearest particle; -1 for what is not alive.
     """
 
-    displacement: "np.ndarray"
-    turn: "np.ndarray"
+    x: "np.ndarray"
+    z: "np.ndarray"
+    angle: "np.ndarray"
+    alive: "np.ndarray"
     strain: "np.ndarray"
     particle: "np.ndarray"
 
@@ -56,10 +68,20 @@ class ParticleField:
     """Motion of the particles between two frames of a recording.
 
     Every particle has an affine motion: its own displacement, and a gradient fitted to its neighbours'
-    displacements. Points move by a partition of unity (C2) over these, so an affine field is met exactly.
+    displacements. A partition of unity (C2) over these is computed at the nodes of a grid that is finer than the
+    particles, and quadratic B-splines (C1) carry it to points: an affine field is met exactly. Particles act
+    only where the implement does not hide them.
+
+    A loose particle, which falls through a pore or rolls over its neighbours, stands for no soil around it: it
+    gets the motion that its neighbours lead to expect.
+
+    Attributes
+    ----------
+    loose : (particle,) uint8
+        1 for loose particles.
     """
 
-    def __init__(self, recording: "Recording", first: int, second: int) -> None:
+    def __init__(self, recording: "Recording", first: int, second: int, scene: "Scene") -> None:
         import numpy as np
 
         self._diameter = 2 * float(recording.data["radius"].values.mean())
@@ -69,63 +91,120 @@ class ParticleField:
         order = self._cells.order
         self._x, self._z = x[order], z[order]
         self._moved_x, self._moved_z = (next_x - x)[order], (next_z - z)[order]
+        self._parts = _implement_parts(recording, first, scene)
+        loose = self._calm_loose()
         self._gradient = np.empty((len(x), 2, 2))
-        self._fit()
+        self._fit(loose)
+        self.loose = np.empty(len(x), np.uint8)
+        self.loose[order] = loose
 
-    def _fit(self) -> None:
+    def carry(self, x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray", alive: "np.ndarray") -> Carried:
+        """Move the points `x`, `z` (m) with the angles `angle` (rad) where `alive` (uint8) is 1."""
+        import numpy as np
+
+        from synth.camera import field_kernels
+
+        count = len(x)
+        doubles = [np.empty(count) for _ in range(3)]
+        carried = Carried(
+            *doubles, np.empty(count, np.uint8), np.empty(count, np.float32), np.empty(count, np.int32)
+        )
+        field_kernels.carry(
+            x,
+            z,
+            angle,
+            alive,
+            *self._particles,
+            self._cells.first,
+            self._cells.order,
+            *self._where,
+            _BLEND_REACH * self._diameter,
+            self._parts,
+            *self._nodes(x, z),
+            carried.x,
+            carried.z,
+            carried.angle,
+            carried.alive,
+            carried.strain,
+            carried.particle,
+        )
+        return carried
+
+    @property
+    def _particles(self) -> "tuple[np.ndarray, ...]":
+        return self._x, self._z, self._moved_x, self._moved_z, self._gradient
+
+    @cached_property
+    def _where(self) -> tuple[Any, Any]:
+        """The cells' place and shape, for kernels."""
         from synth.camera import field_kernels
 
         cells = self._cells
+        grid = field_kernels.grid_vector((cells.left, cells.bottom, cells.size))
+        return grid, field_kernels.shape_vector((cells.columns, cells.rows))
+
+    def _calm_loose(self) -> "np.ndarray":
+        """Find loose particles and give them the motion that is expected of them; (particle,) uint8."""
+        import numpy as np
+
+        from synth.camera import field_kernels
+
+        moving = (self._x, self._z, self._moved_x, self._moved_z)
+        expected = np.empty((len(self._x), 2))
+        loose = np.empty(len(self._x), np.uint8)
+        reach, floor = _FIT_REACH * self._diameter, _FLOOR * self._diameter**2
+        field_kernels.fit_neighbours(*moving, self._cells.first, *self._where, reach, floor, expected)
+        field_kernels.find_loose(
+            *moving,
+            expected,
+            self._cells.first,
+            *self._where,
+            reach,
+            _LOOSE_RATIO,
+            _LOOSE_LEAST * self._diameter,
+            loose,
+        )
+        chosen = loose == 1
+        self._moved_x[chosen], self._moved_z[chosen] = expected[chosen].T
+        return loose
+
+    def _fit(self, loose: "np.ndarray") -> None:
+        from synth.camera import field_kernels
+
         field_kernels.fit_gradients(
             self._x,
             self._z,
             self._moved_x,
             self._moved_z,
-            cells.first,
-            cells.columns,
-            cells.rows,
-            cells.left,
-            cells.bottom,
-            cells.size,
+            loose,
+            self._cells.first,
+            *self._where,
             _FIT_REACH * self._diameter,
             _FLOOR * self._diameter**2,
             self._gradient,
         )
 
-    def at(self, x: "np.ndarray", z: "np.ndarray", alive: "np.ndarray") -> Blend:
-        """Motion of the points `x`, `z` (m) where `alive` (uint8) is 1."""
+    def _nodes(self, x: "np.ndarray", z: "np.ndarray") -> tuple[Any, ...]:
+        """Left, bottom and spacing of the nodes around the points, their values, nearest particles, states."""
         import numpy as np
 
         from synth.camera import field_kernels
 
-        count, cells = len(x), self._cells
-        blend = Blend(
-            np.zeros((count, 2)), np.zeros(count), np.zeros(count, np.float32), np.empty(count, np.int32)
+        reach, spacing = _BLEND_REACH * self._diameter, _NODE_SPACING * self._diameter
+        ends = []
+        for points, particles in ((x, self._x), (z, self._z)):
+            low = max(float(points.min()), float(particles.min()) - reach) if len(points) else 0.0
+            high = min(float(points.max()), float(particles.max()) + reach) if len(points) else 0.0
+            ends.append((low - 2 * spacing, max(math.ceil((high - low) / spacing), 0) + 5))
+        (left, columns), (bottom, rows) = ends
+        value, state = np.empty((rows, columns, 4)), np.empty((rows, columns), np.uint8)
+        nearest = np.empty((rows, columns), np.int32)
+        where = (left, bottom, spacing, value, nearest, state)
+        field_kernels.blend_at_nodes(
+            *self._particles, self._cells.first, *self._where, reach, self._parts, *where
         )
-        field_kernels.blend_motion(
-            x,
-            z,
-            alive,
-            self._x,
-            self._z,
-            self._moved_x,
-            self._moved_z,
-            self._gradient,
-            cells.first,
-            cells.columns,
-            cells.rows,
-            cells.left,
-            cells.bottom,
-            cells.size,
-            _BLEND_REACH * self._diameter,
-            blend.displacement,
-            blend.turn,
-            blend.strain,
-            blend.particle,
-        )
-        found = blend.particle >= 0
-        blend.particle[found] = cells.order[blend.particle[found]]
-        return blend
+        field_kernels.find_inner(state)
+        return where
 
     def strain_of_particles(self) -> "np.ndarray":
         """Equivalent shear strain at every particle; (particle,) float32."""
@@ -136,6 +215,20 @@ class ParticleField:
         unsorted = np.empty(len(strain), np.float32)
         unsorted[self._cells.order] = strain
         return unsorted
+
+
+def _implement_parts(recording: "Recording", frame: int, scene: "Scene") -> "np.ndarray":
+    """The implement's capsules in the world: both ends and radius (m), (C, 5); none for a plate."""
+    import numpy as np
+
+    from synth.implements import Plate
+
+    if isinstance(scene.implement, Plate):
+        return np.zeros((0, 5))
+    data = recording.data
+    at = (float(data["implement_x"].values[frame]), float(data["implement_z"].values[frame]))
+    shape = scene.implement.shape.turned(float(data["implement_angle"].values[frame]))
+    return np.column_stack([shape.start + at, shape.end + at, shape.radius])
 
 
 def _positions(recording: "Recording", frame: int) -> tuple["np.ndarray", "np.ndarray"]:

@@ -1,14 +1,19 @@
 """A recording in, footage out: pictures and the truth about them, streamed frame by frame."""
 
 from collections.abc import Callable
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from synth.footage import Footage, frame_name, write_picture, write_sequence
+from synth.camera.stages import StageClock
+from synth.camera.writing import BackgroundWriter, write_picture
+from synth.footage import Footage, frame_name, write_sequence
 
 if TYPE_CHECKING:
     from synth.recording import Recording
     from synth.scene import Scene
+    from synth.truth import PairTruth
+    from synth.truth_file import TruthWriter
 
 
 def render(
@@ -19,6 +24,7 @@ def render(
     device: str = "cpu",
     threads: int | None = None,
     progress: Callable[[int, int], None] | None = None,
+    clock: StageClock | None = None,
 ) -> Footage:
     """Take the pictures of a recording and write them with the truth of every consecutive pair.
 
@@ -33,6 +39,8 @@ def render(
         As in `synth.devices.start_taichi`; results do not depend on the threads.
     progress : callable, optional
         Called with the frames done and the frames in all.
+    clock : StageClock, optional
+        Adds up how long each stage takes.
 
     Returns
     -------
@@ -44,32 +52,69 @@ def render(
     ValueError
         A recording with fewer than two frames, one without soil in view, or a folder that holds something.
     """
-    from synth.camera.cover import cover
-    from synth.camera.picture import take_picture
+    from synth.camera.nuisance import as_seen
     from synth.devices import start_taichi
-    from synth.truth import grains_and_motion, pair_truth
     from synth.truth_file import TruthWriter
 
     _check(recording, folder)
     start_taichi(device, threads)
     (folder / "frames").mkdir(parents=True, exist_ok=True)
-    grains, motion = grains_and_motion(recording, scene)
+    seen = as_seen(recording, scene)
+    with (
+        TruthWriter(folder / "truth.nc", scene, recording.data["time"].values) as truth,
+        BackgroundWriter() as writer,
+    ):
+        _render_frames(seen, scene, folder, truth, writer, clock or StageClock(), progress)
+    write_sequence(
+        folder, scene.timing.frame_rate, scene.camera.metres_per_pixel, recording.frame_count
+    )
+    return Footage.open(folder)
+
+
+def _render_frames(
+    recording: "Recording",
+    scene: "Scene",
+    folder: Path,
+    truth: "TruthWriter",
+    writer: BackgroundWriter,
+    clock: StageClock,
+    progress: Callable[[int, int], None] | None,
+) -> None:
+    from synth.camera.cover import cover
+    from synth.camera.picture import Film, take_picture
+    from synth.truth import grains_and_motion, pair_truth
+
+    with clock.stage("strewing"):
+        grains, motion = grains_and_motion(recording, scene)
     placement, count = motion.start(), recording.frame_count
-    with TruthWriter(folder / "truth.nc", scene, recording.data["time"].values) as writer:
-        for frame in range(count):
-            covered = cover(scene, recording, grains, placement)
-            write_picture(folder / frame_name(frame), take_picture(scene, grains, covered, frame))
-            if frame + 1 < count:
+    covered, film = None, None
+    for frame in range(count):
+        with clock.stage("covering"):
+            covered = cover(scene, recording, grains, placement, reuse=covered)
+        film = film or Film.like(covered)
+        with clock.stage("lighting"):
+            picture = take_picture(scene, grains, placement, covered, film=film)
+        writer.put(partial(_timed_picture, clock, folder / frame_name(frame), picture))
+        if frame + 1 < count:
+            with clock.stage("moving"):
                 following = motion.advance(placement)
                 around = motion.surroundings(placement, frame + 1)
-                writer.write(
-                    frame, pair_truth(scene, recording, grains, covered, around, placement, following)
-                )
-                placement = following
-            if progress is not None:
-                progress(frame + 1, count)
-    write_sequence(folder, scene.timing.frame_rate, scene.camera.metres_per_pixel, count)
-    return Footage.open(folder)
+            with clock.stage("truth"):
+                pair = pair_truth(scene, recording, covered, around, placement, following)
+            writer.put(partial(_timed_truth, clock, truth, pair))
+            placement = following
+        if progress is not None:
+            progress(frame + 1, count)
+
+
+def _timed_picture(clock: StageClock, path: Path, picture: "np.ndarray") -> None:
+    with clock.stage("writing"):
+        write_picture(path, picture)
+
+
+def _timed_truth(clock: StageClock, truth: "TruthWriter", pair: "PairTruth") -> None:
+    with clock.stage("writing"):
+        truth.write(pair.first, pair)
 
 
 def _check(recording: "Recording", folder: Path) -> None:

@@ -60,3 +60,39 @@ class Sensor(Table):
     full_well: float = Field(gt=0, description="electrons at full scale; sets the shot noise")
     read_noise: float = Field(ge=0, description="electrons, standard deviation")
     black_level: float = Field(ge=0, le=0.2, description="grey level / full scale without light")
+
+
+class Nuisance(Table):
+    """What disturbs a real rig; every severity is 0 in a clean scene. Noise and vignetting: [sensor], [lens].
+
+    In the bin's frame: `scratches` and `smudges` of the glass, so they move with static soil in a travelling
+    camera's picture. In the picture's: `dirt`. With the lamps, which travel with a camera that follows the
+    carriage and stand with a fixed one: `reflections`.
+    """
+
+    exposure: float = Field(
+        default=0.0, ge=0, le=1, description="time the shutter is open / time between two frames"
+    )
+    distortion: float = Field(
+        default=0.0, ge=-0.2, le=0.2, description="of the lens: shift of the corners / half the diagonal"
+    )
+    jitter: float = Field(
+        default=0.0, ge=0, le=0.2, description="of a picture's instant, deviation / time between two frames"
+    )
+    vibration: float = Field(
+        default=0.0, ge=0, le=20, description="px, deviation of a travelling camera's axis in each direction"
+    )
+    flicker: float = Field(default=0.0, ge=0, le=0.5, description="of the lamps, deviation / mean")
+    exchange: float = Field(
+        default=0.0, ge=0, le=1, description="share of the grains at the glass that others replace each frame"
+    )
+    scratches: float = Field(default=0.0, ge=0, le=1, description="light a scratch adds / full scale")
+    smudges: float = Field(
+        default=0.0, ge=0, le=1, description="share of the contrast that a smudge's middle takes"
+    )
+    dirt: float = Field(
+        default=0.0, ge=0, le=1, description="share of the light that a speck on lens or mirror takes"
+    )
+    reflections: float = Field(
+        default=0.0, ge=0, le=1, description="light of a lamp's reflection in the glass / full scale"
+    )

@@ -17,6 +17,12 @@ class Purpose(IntEnum):
     LOOKS = 2
     DEPTHS = 3
     SENSOR = 4
+    VIBRATION = 5
+    FLICKER = 6
+    JITTER = 7
+    EXCHANGE = 8
+    GLASS = 9
+    DIRT = 10
 
 
 def random_stream(seed: int, purpose: Purpose, frame: int = 0) -> "np.random.Generator":

@@ -17,6 +17,8 @@ if TYPE_CHECKING:
 
 _SORTING_CELL = 32
 """px; grains are stored cell by cell, so that neighbours on the glass are neighbours in memory."""
+DEEPEST = 2**31 - 1
+"""Depth of what lies behind every grain."""
 
 
 @dataclass(frozen=True)
@@ -34,9 +36,7 @@ class MicroGrains:
     slope_x, slope_y : float32
         Slope of the grain's face along x right and y down of the picture, in the first frame.
     depth : int32
-        Unique order from the glass: 0 is in front of all.
-    by_depth : int32
-        The grain at each depth.
+        From the glass: 0 is in front, `DEEPEST` behind everything.
     """
 
     x: "np.ndarray"
@@ -46,7 +46,6 @@ class MicroGrains:
     slope_x: "np.ndarray"
     slope_y: "np.ndarray"
     depth: "np.ndarray"
-    by_depth: "np.ndarray"
 
     @property
     def count(self) -> int:
@@ -128,10 +127,8 @@ def _with_looks(scene: "Scene", x: "np.ndarray", z: "np.ndarray", diameter: "np.
     looks = random_stream(scene.seed, Purpose.LOOKS)
     albedo = np.clip(looks.normal(look.albedo, look.albedo_deviation, count), 0.02, 1.0)
     slopes = looks.normal(0.0, texture.facet_slope, (2, count)).astype(np.float32)
-    by_depth = random_stream(scene.seed, Purpose.DEPTHS).permutation(count).astype(np.int32)
-    depth = np.empty_like(by_depth)
-    depth[by_depth] = np.arange(count, dtype=np.int32)
+    depth = random_stream(scene.seed, Purpose.DEPTHS).integers(0, DEEPEST, count, dtype=np.int32)
     # At depth 0..1 of the texture lie 0..coverage layers of grains in front, and each takes its share.
-    light = (1 - scene.light.shade) ** (texture.coverage * depth / max(count, 1))
+    light = (1 - scene.light.shade) ** (texture.coverage / DEEPEST * depth)
     brightness = (albedo * light).astype(np.float32)
-    return MicroGrains(x, z, diameter, brightness, slopes[0], slopes[1], depth, by_depth)
+    return MicroGrains(x, z, diameter, brightness, slopes[0], slopes[1], depth)

@@ -1,67 +1,114 @@
 # type: ignore  # taichi reads annotations and operators in its own way
 """Taichi kernels of the true motion. Import this module only after `synth.devices.start_taichi`.
 
-Coordinates and buffers as in `synth.camera.kernels`.
+Coordinates and buffers as in `synth.camera.cover_kernels`.
 """
 
 import taichi as ti
 
-from synth.camera.kernels import IMPLEMENT, NOTHING
+from synth.camera import projection
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder, stagger
 
-_f64 = ti.types.ndarray(dtype=ti.f64)
-_f32 = ti.types.ndarray(dtype=ti.f32)
-_i32 = ti.types.ndarray(dtype=ti.i32)
-_u8 = ti.types.ndarray(dtype=ti.u8)
-wheel_vector = ti.types.vector(6, ti.f64)
-"""The wheel's argument of `find_mixed`."""
+_f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
+_f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
+_f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
+_f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
+_i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
+_i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
+_u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
+_u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
+body_vector = ti.types.vector(6, ti.f64)
+"""The implement's argument of `find_mixed`."""
+
+_BLOCK = 256
+"""Items that a thread does at a time."""
 
 
 @ti.kernel
 def fill_voids(
-    centres: _i32,
-    soil: _u8,
-    samples: _i32,
-    by_depth: _i32,
-    x: _f64,
-    y: _f64,
-    radius: _f64,
-    sampling: ti.i32,
+    centres: _i32_table,
+    soil: _u8_table,
+    samples: _i32_table,
+    place: _f32_table,
+    columns: ti.i32,
+    tile: ti.template(),
+    index_mask: ti.i32,
+    sampling: ti.template(),
     margin: ti.i32,
-    reach: ti.f64,
-    filled: _i32,
+    reach: ti.f32,
+    filled: _i32_table,
 ):
-    """Depth at every pixel centre; in a soil's void, that of the visible grain whose rim is nearest.
+    """Grain at every pixel centre, as its place among the tiled ones, or -1.
 
-    Rings of samples around the pixel are searched outwards until none can be nearer, or `reach` px.
+    In a soil's void it is the visible grain whose rim is nearest: rings of samples around the pixel are
+    searched outwards until none can be nearer, or `reach` px.
     """
-    for j, i in ti.ndrange(centres.shape[0], centres.shape[1]):
-        filled[j, i] = centres[j, i]
-        if centres[j, i] == NOTHING and soil[j, i] == 1:
-            corner_j, corner_i = (j + margin) * sampling, (i + margin) * sampling
-            nearest = reach
-            ring = 0
-            while ring < nearest * sampling and ring <= margin * sampling:
-                top, left = corner_j - ring, corner_i - ring
-                size = sampling + 2 * ring
-                for n in range(size):
-                    for side in ti.static(range(4)):
-                        a, b = top, left
-                        if ti.static(side == 0):
-                            b += n
-                        elif ti.static(side == 1):
-                            a, b = a + size - 1, b + n
-                        elif ti.static(side == 2):
-                            a += n
-                        else:
-                            a, b = a + n, b + size - 1
-                        depth = samples[a, b]
-                        if depth != NOTHING and depth != IMPLEMENT and depth != filled[j, i]:
-                            g = by_depth[depth]
-                            gap = ti.sqrt((i - x[g]) ** 2 + (j - y[g]) ** 2) - radius[g]
-                            if gap < nearest:
-                                nearest = gap
-                                filled[j, i] = depth
-                ring += 1
+    for j in range(centres.shape[0]):
+        for i in range(centres.shape[1]):
+            found = -1
+            if centres[j, i] != NOTHING and centres[j, i] != IMPLEMENT:
+                found = centres[j, i] & index_mask
+            if centres[j, i] == NOTHING and soil[j, i] == 1:
+                found = _nearest_visible(
+                    i + margin, j + margin, samples, place, columns, tile, index_mask, sampling, margin, reach
+                )
+            filled[j, i] = found
+
+
+@ti.func
+def _nearest_visible(
+    i,
+    j,
+    samples: ti.template(),
+    place: ti.template(),
+    columns,
+    tile: ti.template(),
+    index_mask,
+    sampling: ti.template(),
+    margin,
+    reach,
+):
+    """Place among the tiled grains of the nearest one seen around a pixel of the buffer; -1: none."""
+    corner_j, corner_i = j * sampling, i * sampling
+    middle = ti.f32(0.5 * (sampling - 1))
+    at_x, at_y = ti.cast(corner_i, ti.f32) + middle, ti.cast(corner_j, ti.f32) + middle
+    side = tile * sampling
+    nearest = reach * ti.f32(1.0 * sampling)
+    found, last, ring = -1, -1, 0
+    while ti.cast(ring, ti.f32) < nearest and ring <= margin * sampling:
+        top, left = corner_j - ring, corner_i - ring
+        size = sampling + 2 * ring
+        for n in range(size):
+            for edge in ti.static(range(4)):
+                a, b = top, left
+                if ti.static(edge == 0):
+                    b += n
+                elif ti.static(edge == 1):
+                    a, b = a + size - 1, b + n
+                elif ti.static(edge == 2):
+                    a += n
+                else:
+                    a, b = a + n, b + size - 1
+                key = samples[a, b]
+                if key != NOTHING and key != IMPLEMENT and key & index_mask != last:
+                    k = last = key & index_mask
+                    off_x = at_x - (place[k, 0] + ti.cast(b // side * side, ti.f32))
+                    off_y = at_y - (place[k, 1] + ti.cast(a // side * side, ti.f32))
+                    gap = ti.sqrt(off_x * off_x + off_y * off_y) - place[k, 2]
+                    if gap < nearest:
+                        nearest, found = gap, k
+        ring += 1
+    return found
+
+
+@ti.func
+def _spin(turn):
+    """cos - 1 and sin; by their series, to 1e-14, where the angle is small, as it mostly is."""
+    square = turn * turn
+    result = ti.Vector([-square * (0.5 - square / 24.0), turn * (1.0 - square / 6.0 * (1.0 - square / 20.0))])
+    if square > 1e-4:
+        result = ti.Vector([-2.0 * ti.sin(0.5 * turn) ** 2, ti.sin(turn)])
+    return result
 
 
 @ti.func
@@ -74,146 +121,252 @@ def _rigid(off_x, off_y, move_x, move_y, cosine_less_one, sine):
 
 @ti.kernel
 def grain_motion(
-    filled: _i32,
-    by_depth: _i32,
+    filled: _i32_table,
+    grain: _i32,
     x: _f64,
-    y: _f64,
+    z: _f64,
     angle: _f64,
     next_x: _f64,
-    next_y: _f64,
+    next_z: _f64,
     next_angle: _f64,
     next_alive: _u8,
+    view: projection.numbers,
+    next_view: projection.numbers,
     strain: _f32,
     particle: _i32,
-    u: _f32,
-    v: _f32,
-    rotation: _f32,
-    pixel_strain: _f32,
-    pixel_particle: _i32,
+    u: _f32_table,
+    v: _f32_table,
+    rotation: _f32_table,
+    pixel_strain: _f32_table,
+    pixel_particle: _i32_table,
 ):
-    """Motion of the grain at every pixel centre.
-
-    Pixels without a grain, or with one that is lost by the next frame, keep what they hold.
-    """
-    for j, i in ti.ndrange(filled.shape[0], filled.shape[1]):
-        if filled[j, i] != NOTHING and filled[j, i] != IMPLEMENT:
-            g = by_depth[filled[j, i]]
-            pixel_particle[j, i] = particle[g]
-            if next_alive[g] == 1:
-                turn = next_angle[g] - angle[g]
-                moved = _rigid(
-                    i - x[g],
-                    j - y[g],
-                    next_x[g] - x[g],
-                    next_y[g] - y[g],
-                    -2.0 * ti.sin(0.5 * turn) ** 2,
-                    ti.sin(turn),
-                )
-                u[j, i], v[j, i] = ti.cast(moved[0], ti.f32), ti.cast(moved[1], ti.f32)
-                rotation[j, i] = ti.cast(turn, ti.f32)
-                pixel_strain[j, i] = strain[g]
-
-
-@ti.func
-def _sample_motion(
-    i,
-    j,
-    a,
-    b,
-    samples: ti.template(),
-    by_depth: ti.template(),
-    x: ti.template(),
-    y: ti.template(),
-    motion: ti.template(),
-    wheel,
-    sampling,
-    margin,
-):
-    """Motion at sample (a, b) of pixel (i, j), and whether there is one (third component)."""
-    depth = samples[(j + margin) * sampling + b, (i + margin) * sampling + a]
-    at_x, at_y = i + (a + 0.5) / sampling - 0.5, j + (b + 0.5) / sampling - 0.5
-    result = ti.Vector([0.0, 0.0, 0.0])
-    if depth == IMPLEMENT:
-        moved = _rigid(at_x - wheel[0], at_y - wheel[1], wheel[2], wheel[3], wheel[4], wheel[5])
-        result = ti.Vector([moved[0], moved[1], 1.0])
-    elif depth != NOTHING:
-        g = by_depth[depth]
-        moved = _rigid(at_x - x[g], at_y - y[g], motion[g, 0], motion[g, 1], motion[g, 2], motion[g, 3])
-        result = ti.Vector([moved[0], moved[1], motion[g, 4]])
-    return result
+    """Motion of the grain at every pixel centre; NaN, and particle -1, without one or where it is lost."""
+    for j in range(filled.shape[0]):
+        for i in range(filled.shape[1]):
+            k = filled[j, i]
+            nothing = ti.cast(ti.math.nan, ti.f32)
+            moved_u, moved_v, turned, strained, near = nothing, nothing, nothing, nothing, -1
+            if k >= 0:
+                g = grain[k]
+                near = particle[g]
+                if next_alive[g] == 1:
+                    turn = angle[g] - next_angle[g]  # the picture's angles go the other way round
+                    spin = _spin(turn)
+                    at = projection.to_image(view, x[g], z[g])
+                    to = projection.to_image(next_view, next_x[g], next_z[g])
+                    moved = _rigid(
+                        i - at[0],
+                        j - at[1],
+                        to[0] - at[0],
+                        to[1] - at[1],
+                        spin[0],
+                        spin[1],
+                    )
+                    moved_u, moved_v = ti.cast(moved[0], ti.f32), ti.cast(moved[1], ti.f32)
+                    turned, strained = ti.cast(turn, ti.f32), strain[g]
+            u[j, i], v[j, i], rotation[j, i], pixel_strain[j, i] = moved_u, moved_v, turned, strained
+            pixel_particle[j, i] = near
 
 
 @ti.kernel
 def rigid_motions(
-    x: _f64, y: _f64, angle: _f64, next_x: _f64, next_y: _f64, next_angle: _f64, next_alive: _u8, motion: _f32
+    first: _i32,
+    grain: _i32,
+    radius: _f32_table,
+    sampling: ti.template(),
+    x: _f64,
+    z: _f64,
+    angle: _f64,
+    next_x: _f64,
+    next_z: _f64,
+    next_angle: _f64,
+    next_alive: _u8,
+    view: projection.numbers,
+    next_view: projection.numbers,
+    motion: _f32_table,
+    spread: _f32,
 ):
-    """Displacement of every grain, cos - 1 and sin of its turn, and 1 unless it is lost by the next frame."""
-    for g in range(x.shape[0]):
-        turn = next_angle[g] - angle[g]
-        motion[g, 0] = ti.cast(next_x[g] - x[g], ti.f32)
-        motion[g, 1] = ti.cast(next_y[g] - y[g], ti.f32)
-        motion[g, 2] = ti.cast(-2.0 * ti.sin(0.5 * turn) ** 2, ti.f32)
-        motion[g, 3] = ti.cast(ti.sin(turn), ti.f32)
-        motion[g, 4] = ti.cast(next_alive[g], ti.f32)
+    """Displacement of every tiled grain, cos - 1 and sin of its turn, and 1 unless it is lost by the next frame.
+
+    `spread` is, for every tile, a bound on how far apart the motions of its grains' points are, px.
+    """
+    ti.loop_config(block_dim=1)
+    for t in range(first.shape[0] - 1):
+        low, high, own = ti.Vector([1e30, 1e30]), ti.Vector([-1e30, -1e30]), 0.0
+        for k in range(first[t], first[t + 1]):
+            g = grain[k]
+            at = projection.to_image(view, x[g], z[g])
+            to = projection.to_image(next_view, next_x[g], next_z[g])
+            turn = angle[g] - next_angle[g]
+            spin = _spin(turn)
+            motion[k, 0], motion[k, 1] = ti.cast(to[0] - at[0], ti.f32), ti.cast(to[1] - at[1], ti.f32)
+            motion[k, 2], motion[k, 3] = ti.cast(spin[0], ti.f32), ti.cast(spin[1], ti.f32)
+            motion[k, 4] = ti.cast(next_alive[g], ti.f32)
+            if next_alive[g] == 1:
+                low, high = ti.min(low, to - at), ti.max(high, to - at)
+                own = ti.max(own, (ti.abs(spin[1]) - spin[0]) * radius[k, 2] / sampling)
+        spread[t] = ti.cast((high - low).norm() + 2.0 * own, ti.f32)
+
+
+@ti.func
+def _sample_motion(
+    a,
+    b,
+    samples: ti.template(),
+    place: ti.template(),
+    motion: ti.template(),
+    body,
+    view,
+    tile: ti.template(),
+    index_mask,
+    sampling: ti.template(),
+    margin,
+):
+    """Motion at sample (row b, column a) of the buffer, and whether there is one (third component)."""
+    key = samples[b, a]
+    result = ti.Vector([ti.f32(0.0), ti.f32(0.0), ti.f32(0.0)])
+    if key == IMPLEMENT:
+        at = projection.undistorted(
+            view,
+            (a + stagger(b, sampling) + 0.5) / sampling - 0.5 - margin,
+            (b - stagger(a, sampling) + 0.5) / sampling - 0.5 - margin,
+        )
+        moved = _rigid(at[0] - body[0], at[1] - body[1], body[2], body[3], body[4], body[5])
+        result = ti.Vector([ti.cast(moved[0], ti.f32), ti.cast(moved[1], ti.f32), ti.f32(1.0)])
+    elif key != NOTHING:
+        k = key & index_mask
+        side, pixel = ti.static(tile * sampling), ti.f32(1.0 / sampling)
+        off_x = (ti.cast(remainder(a, side), ti.f32) + stagger(b, sampling) - place[k, 0]) * pixel
+        off_y = (ti.cast(remainder(b, side), ti.f32) - stagger(a, sampling) - place[k, 1]) * pixel
+        moved = _rigid(off_x, off_y, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3])
+        result = ti.Vector([moved[0], moved[1], motion[k, 4]])
+    return result
 
 
 @ti.kernel
 def find_mixed(
-    samples: _i32,
-    by_depth: _i32,
-    x: _f64,
-    y: _f64,
-    motion: _f32,
-    wheel: wheel_vector,
-    sampling: ti.i32,
+    samples: _i32_table,
+    columns: ti.i32,
+    place: _f32_table,
+    motion: _f32_table,
+    spread: _f32,
+    outside: _f32_table,
+    body: body_vector,
+    view: projection.numbers,
+    tile: ti.template(),
+    index_mask: ti.i32,
+    sampling: ti.template(),
     margin: ti.i32,
-    limit: ti.f64,
-    mixed: _u8,
+    limit: ti.f32,
+    mixed: _u8_table,
 ):
     """Pixels with two samples whose motions are more than `limit` px apart.
 
-    `motion` is that of `rigid_motions`; `wheel` holds the axle and its displacement, cos - 1 and
-    sin of its turn.
+    `motion` and `spread` are those of `rigid_motions`, `outside` is the distance to the implement, px; `body` holds the implement's reference point and its
+    displacement, cos - 1 and sin of its turn.
     """
-    for j, i in mixed:
-        low, high = ti.Vector([1e30, 1e30]), ti.Vector([-1e30, -1e30])
-        for b in range(sampling):
-            row, column = (j + margin) * sampling + b, (i + margin) * sampling
-            for a in range(sampling):
-                # A rigid body's motion is linear along a row: only the ends of what it covers can be extreme.
-                depth = samples[row, column + a]
-                if (
-                    a == 0
-                    or a == sampling - 1
-                    or depth != samples[row, column + a - 1]
-                    or depth != samples[row, column + a + 1]
-                ):
-                    found = _sample_motion(
-                        i, j, a, b, samples, by_depth, x, y, motion, wheel, sampling, margin
-                    )
-                    if found[2] > 0.0:
-                        low, high = ti.min(low, found[:2]), ti.max(high, found[:2])
-        span = high - low
-        mixed[j, i] = ti.u8(0)
-        if span.max() > limit:
-            mixed[j, i] = ti.u8(1)
-        elif span.min() >= 0.0 and span.norm() > limit:
-            # Only here the box around the motions does not decide: compare every two samples.
-            for b, a, d, c in ti.ndrange(sampling, sampling, sampling, sampling):
-                one = _sample_motion(i, j, a, b, samples, by_depth, x, y, motion, wheel, sampling, margin)
-                two = _sample_motion(i, j, c, d, samples, by_depth, x, y, motion, wheel, sampling, margin)
+    for j in range(mixed.shape[0]):
+        for i in range(mixed.shape[1]):
+            row, column = (j + margin) * sampling, (i + margin) * sampling
+            found = ti.u8(0)
+            still = spread[(j + margin) // tile * columns + (i + margin) // tile] < limit
+            if not still or outside[j, i] < 2.0:
+                found = _differs(
+                    row,
+                    column,
+                    samples,
+                    place,
+                    motion,
+                    body,
+                    view,
+                    tile,
+                    index_mask,
+                    sampling,
+                    margin,
+                    limit,
+                )
+            mixed[j, i] = found
+
+
+@ti.func
+def _differs(
+    row,
+    column,
+    samples: ti.template(),
+    place: ti.template(),
+    motion: ti.template(),
+    body,
+    view,
+    tile: ti.template(),
+    index_mask,
+    sampling: ti.template(),
+    margin,
+    limit,
+):
+    """1 where two samples of a pixel move more than `limit` apart, else 0."""
+    result = ti.u8(0)
+    low, high = ti.Vector([ti.f32(1e30)] * 2), ti.Vector([ti.f32(-1e30)] * 2)
+    for b in range(row, row + sampling):
+        for a in range(column, column + sampling):
+            found = _sample_motion(
+                a, b, samples, place, motion, body, view, tile, index_mask, sampling, margin
+            )
+            low = ti.min(low, ti.select(found[2] > 0.0, found[:2], low))
+            high = ti.max(high, ti.select(found[2] > 0.0, found[:2], high))
+    span = high - low
+    if span.max() > limit:
+        result = ti.u8(1)
+    elif span.min() >= 0.0 and span.norm() > limit:
+        # Only here the box around the motions does not decide: compare every two samples.
+        for n in range(sampling**2):
+            one = _sample_motion(
+                column + n % sampling,
+                row + n // sampling,
+                samples,
+                place,
+                motion,
+                body,
+                view,
+                tile,
+                index_mask,
+                sampling,
+                margin,
+            )
+            for m in range(n):
+                two = _sample_motion(
+                    column + m % sampling,
+                    row + m // sampling,
+                    samples,
+                    place,
+                    motion,
+                    body,
+                    view,
+                    tile,
+                    index_mask,
+                    sampling,
+                    margin,
+                )
                 if one[2] * two[2] > 0.0 and (one[:2] - two[:2]).norm() > limit:
-                    mixed[j, i] = ti.u8(1)
+                    result = ti.u8(1)
+    return result
 
 
 @ti.kernel
-def find_jumps(u: _f32, v: _f32, implement: _u8, limit: ti.f32, jump: _f32):
+def find_jumps(u: _f32_table, v: _f32_table, implement: _u8_table, limit: ti.f32, jump: _f32_table):
     """Largest difference of motion to a 4-neighbour beyond a discontinuity; -1 where there is none.
 
     A discontinuity lies between two neighbours whose motions differ by more than `limit` px, or of which
     exactly one is the implement. Neighbours without truth do not count.
     """
-    for j, i in ti.ndrange(u.shape[0], u.shape[1]):
+    for j in range(u.shape[0]):
+        jumps_in_row(j, u, v, implement, limit, jump)
+
+
+@ti.func
+def jumps_in_row(
+    j, u: ti.template(), v: ti.template(), implement: ti.template(), limit, jump: ti.template()
+):
+    for i in range(u.shape[1]):
         largest = ti.f32(-1.0)
         for side in ti.static(range(4)):
             a, b = j, i
@@ -234,7 +387,7 @@ def find_jumps(u: _f32, v: _f32, implement: _u8, limit: ti.f32, jump: _f32):
 
 
 @ti.kernel
-def nearest_in_column(jump: _f32, row: _i32):
+def nearest_in_column(jump: _f32_table, row: _i32_table):
     """Row of the nearest marked pixel (jump >= 0) in the same column, the upper of two; -1 without any."""
     height = jump.shape[0]
     for i in range(jump.shape[1]):
@@ -253,7 +406,7 @@ def nearest_in_column(jump: _f32, row: _i32):
 
 
 @ti.kernel
-def nearest_in_picture(row: _i32, jump: _f32, stack: _i32, start: _f64, distance: _f32, nearest_jump: _f32):
+def nearest_in_picture(row: _i32_table, jump: _f32_table, stack: _i32_table, start: _f64_table, distance: _f32_table, nearest_jump: _f32_table):
     """Exact distance to the nearest marked pixel, and the jump there, by lower envelopes of parabolas.
 
     After Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012. `stack` and `start` are scratch.

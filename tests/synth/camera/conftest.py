@@ -141,13 +141,16 @@ def photograph(taichi):
 
     def take(case, frame):
         from synth.camera.cover import cover
+        from synth.camera.nuisance import as_seen
         from synth.camera.picture import light_on_sensor
         from synth.truth import grains_and_motion
 
-        grains, motion = grains_and_motion(case.recording, case.scene)
+        recording = as_seen(case.recording, case.scene)
+        grains, motion = grains_and_motion(recording, case.scene)
         placement = motion.start()
         for _ in range(frame):
             placement = motion.advance(placement)
-        return light_on_sensor(case.scene, grains, cover(case.scene, case.recording, grains, placement))
+        covered = cover(case.scene, recording, grains, placement)
+        return light_on_sensor(case.scene, grains, placement, covered)
 
     return take

@@ -2,9 +2,11 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from synth.camera.cover import Cover, PlacedGrains, cover
+from synth.camera.cover import Cover, cover
+from synth.camera.motion import Placement
 from synth.camera.picture import expose, light_on_sensor
 from synth.camera.texture import MicroGrains
+from synth.camera.tiles import TILE, sort_into_tiles
 from synth.camera.view import View
 from synth.truth import grains_and_motion, true_motion
 
@@ -52,27 +54,27 @@ def test_a_grain_is_drawn_in_its_place(cases, taichi):
 
 
 def one_grain(cases, x, y, radius):
-    """Scene, micro-grains and cover of a single flat grain in a wide void."""
+    """Scene, micro-grains, placement and cover of a single flat grain in a wide void."""
+    from synth.camera import cover_kernels
+
     scene = cases.scene(texture={"roundness": 0.0, "facet_slope": 0.0}, camera={"supersampling": 8})
-    zero, first = np.zeros(1), np.zeros(1, np.int32)
-    flat = zero.astype(np.float32)
-    grains = MicroGrains(zero, zero, zero, flat + 0.5, flat, flat, first, first)
-    placed = PlacedGrains(zero + x, zero + y, zero, zero + radius, np.ones(1, np.uint8))
     height, width, margin, sampling = 40, 64, 4, 8
     view = View(width, height, cases.pixel, 0.0, 0.0)
-    samples = np.full(
-        (sampling * (height + 2 * margin), sampling * (width + 2 * margin)), 2**31 - 1, np.int32
-    )
-    centres = np.full((height, width), 2**31 - 1, np.int32)
-    from synth.camera import kernels
-
-    kernels.cover_by_grains(
-        placed.x, placed.y, placed.radius, placed.alive, first, sampling, margin, samples, centres
+    world_x, world_z = view.to_world(np.array([x]), np.array([y]))
+    zero, depth = np.zeros(1), np.zeros(1, np.int32)
+    flat = zero.astype(np.float32)
+    grains = MicroGrains(world_x, world_z, zero + 2 * radius * cases.pixel, flat + 0.5, flat, flat, depth)
+    placement = Placement(0, world_x, world_z, zero, np.ones(1, np.uint8))
+    tiled = sort_into_tiles(grains, placement, view, sampling, margin)
+    samples = np.empty((sampling * (height + 2 * margin), sampling * (width + 2 * margin)), np.int32)
+    centres = np.empty((height, width), np.int32)
+    cover_kernels.cover_by_grains(
+        tiled.first, tiled.columns, tiled.place, tiled.key, sampling, margin, TILE, samples, centres
     )
     rows, columns = np.mgrid[:height, :width]
-    assert np.array_equal(centres == 0, np.hypot(columns - x, rows - y) <= radius)
+    assert np.array_equal(centres != cover_kernels.NOTHING, np.hypot(columns - x, rows - y) <= radius)
     soil = np.ones((height, width), bool)
-    return scene, grains, Cover(view, placed, None, samples, centres, soil, sampling, margin)
+    return scene, grains, placement, Cover(view, tiled, None, samples, centres, soil, sampling, margin)
 
 
 def test_a_shift_by_whole_pixels_shifts_the_picture(cases, fields, photograph):

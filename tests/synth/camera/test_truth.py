@@ -61,6 +61,7 @@ def test_a_rotation_of_the_particles_is_exact(cases, fields, offsets, motion):
 
 def test_simple_shear_moves_centres_by_the_formula_and_grains_rigidly(cases, fields, offsets, taichi):
     from synth.camera.cover import cover
+    from synth.camera.cover_kernels import NOTHING
     from synth.truth import grains_and_motion
 
     gamma = 0.04
@@ -68,20 +69,20 @@ def test_simple_shear_moves_centres_by_the_formula_and_grains_rigidly(cases, fie
     truth = true_motion(case.recording, case.scene, 0, 1)
     grains, motion = grains_and_motion(case.recording, case.scene)
     covered = cover(case.scene, case.recording, grains, motion.start())
-    seen = covered.centres < grains.count
-    grain = grains.by_depth[covered.centres[seen]]
+    seen = (covered.centres >= 0) & (covered.centres < NOTHING)
+    grain = covered.tiled.grain[covered.centres[seen] & covered.tiled.index_mask]
     rows, columns = np.nonzero(seen)
     height = len(seen)
-    off_x = columns - covered.grains.x[grain]
-    off_y = rows - covered.grains.y[grain]
+    grain_x, grain_y = covered.view.to_image(grains.x[grain], grains.z[grain])
+    off_x, off_y = columns - grain_x, rows - grain_y
     turn = np.arctan2(gamma, 2.0)  # clockwise, so from x towards y
-    u = -gamma * (covered.grains.y[grain] - (height - 1) / 2)
+    u = -gamma * (grain_y - (height - 1) / 2)
     u += (np.cos(turn) - 1) * off_x - np.sin(turn) * off_y
     v = np.sin(turn) * off_x + (np.cos(turn) - 1) * off_y
     assert seen.mean() > 0.8
     assert np.hypot(truth.u.values[seen] - u, truth.v.values[seen] - v).max() < 1e-4
     # Grains turn by half of the shear, so a pixel is off the continuum by half of it over the grain's radius.
-    bound = gamma / 2 * covered.grains.radius.max() + gamma * 3
+    bound = gamma / 2 * grains.diameter.max() / 2 / cases.pixel + gamma * 3
     assert off(truth, -gamma * offsets[1], 0) < bound
     assert truth.strain_rate.values == pytest.approx(gamma, rel=1e-3)
     assert truth.rotation.values == pytest.approx(turn)

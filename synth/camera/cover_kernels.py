@@ -1,0 +1,192 @@
+# type: ignore  # taichi reads annotations and operators in its own way
+"""Taichi kernels of what covers what. Import only after `synth.devices.start_taichi`.
+
+Image coordinates throughout: px, y down, integer at pixel centres. Samples lie S x S to a pixel in a buffer that
+is wider than the picture by a margin of whole pixels. They do not lie on a square grid but on one that is turned a
+little, so that the S x S samples of a pixel have S x S different places along x and along y, as rooks that do not
+threaten each other: an edge of any direction is met in S x S steps, not in S. Sample (j, i) is at
+((i + `stagger`(j) + 0.5) / S - 0.5 - margin, (j - `stagger`(i) + 0.5) / S - 0.5 - margin).
+
+A buffer of samples holds keys (`synth.camera.tiles`): `IMPLEMENT` in front of everything, the foremost
+micro-grain's, or `NOTHING`. Every tile has one writer, and the least key wins whatever the order of writing is:
+every result is the same on any number of threads.
+"""
+
+import taichi as ti
+
+from synth.camera import projection
+
+NOTHING = 2**31 - 1
+IMPLEMENT = -1
+
+_f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
+_f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
+_f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
+_i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
+_i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
+_u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
+
+
+@ti.func
+def remainder(n, divisor: ti.template()):
+    """n % divisor of what is not negative; cheaper than the remainder that minds the sign."""
+    return ti.cast(ti.cast(n, ti.u32) % ti.u32(divisor), ti.i32)
+
+
+@ti.func
+def stagger(n, sampling: ti.template()):
+    """Shift of a row or column of samples, in samples: -0.5 to 0.5 over a pixel."""
+    return ti.cast(remainder(n, sampling), ti.f32) * ti.f32(1.0 / sampling) + ti.f32(0.5 / sampling - 0.5)
+
+
+@ti.kernel
+def fill_discs(x: _f64, y: _f64, radius: _f64, mask: _u8_table):
+    """Set the pixels whose centres lie in a disc."""
+    for p in range(x.shape[0]):
+        for j in range(
+            ti.max(int(ti.ceil(y[p] - radius[p])), 0),
+            ti.min(int(ti.floor(y[p] + radius[p])), mask.shape[0] - 1) + 1,
+        ):
+            half = ti.sqrt(ti.max(radius[p] ** 2 - (j - y[p]) ** 2, 0.0))
+            for i in range(
+                ti.max(int(ti.ceil(x[p] - half)), 0),
+                ti.min(int(ti.floor(x[p] + half)), mask.shape[1] - 1) + 1,
+            ):
+                mask[j, i] = ti.u8(1)
+
+
+@ti.kernel
+def cover_by_grains(
+    first: _i32,
+    columns: ti.i32,
+    place: _f32_table,
+    key: _i32,
+    sampling: ti.template(),
+    margin: ti.i32,
+    tile: ti.template(),
+    samples: _i32_table,
+    centres: _i32_table,
+):
+    """Clear every tile, and put its grains' discs into its samples and pixel centres."""
+    side = tile * sampling
+    per_pixel, middle, half = ti.f32(1.0 / sampling), ti.f32(0.5 * (sampling - 1)), ti.f32(0.5)
+    ti.loop_config(block_dim=1)
+    for t in range(first.shape[0] - 1):
+        row, column = (t // columns) * side, (t % columns) * side
+        height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
+        above, left = margin - (t // columns) * tile, margin - (t % columns) * tile
+        for j in range(height):
+            for i in range(width):
+                samples[row + j, column + i] = NOTHING
+        for j in range(ti.max(above, 0), ti.min(tile, centres.shape[0] + above)):
+            for i in range(ti.max(left, 0), ti.min(tile, centres.shape[1] + left)):
+                centres[j - above, i - left] = NOTHING
+        for k in range(first[t], first[t + 1]):
+            x, y, radius = place[k, 0], place[k, 1], place[k, 2]
+            square, depth = radius * radius, key[k]
+            low_i = ti.max(ti.cast(ti.ceil(x - radius - half), ti.i32), 0)
+            high_i = ti.min(ti.cast(ti.floor(x + radius + half), ti.i32), width - 1) + 1
+            low_j = ti.max(ti.cast(ti.ceil(y - radius - half), ti.i32), 0)
+            high_j = ti.min(ti.cast(ti.floor(y + radius + half), ti.i32), height - 1) + 1
+            for j in range(low_j, high_j):
+                off_x, off_y = stagger(j, sampling) - x, ti.cast(j, ti.f32) - y
+                for i in range(low_i, high_i):
+                    across = ti.cast(i, ti.f32) + off_x
+                    down = off_y - stagger(i, sampling)
+                    # Without a branch: which samples lie in a disc is too irregular to be foreseen.
+                    own = ti.select(across * across + down * down <= square, depth, NOTHING)
+                    samples[row + j, column + i] = ti.min(samples[row + j, column + i], own)
+            # The same for pixel centres, which lie at `middle` + n S of the samples.
+            low_i = ti.max(ti.cast(ti.ceil((x - radius - middle) * per_pixel), ti.i32), 0, left)
+            high_i = ti.min(
+                ti.cast(ti.floor((x + radius - middle) * per_pixel), ti.i32),
+                tile - 1,
+                centres.shape[1] - 1 + left,
+            )
+            low_j = ti.max(ti.cast(ti.ceil((y - radius - middle) * per_pixel), ti.i32), 0, above)
+            high_j = ti.min(
+                ti.cast(ti.floor((y + radius - middle) * per_pixel), ti.i32),
+                tile - 1,
+                centres.shape[0] - 1 + above,
+            )
+            for j in range(low_j, high_j + 1):
+                down = ti.cast(j * sampling, ti.f32) + middle - y
+                for i in range(low_i, high_i + 1):
+                    across = ti.cast(i * sampling, ti.f32) + middle - x
+                    if (
+                        across * across + down * down <= square
+                        and centres[j - above, i - left] > depth
+                    ):
+                        centres[j - above, i - left] = depth
+
+
+@ti.func
+def away(off_x, off_y, parts: ti.template()):
+    """Distance of a point, given from the reference point, to the nearest of an implement's capsules, px.
+
+    Not positive inside of a closed outline, which a line from there crosses an odd number of times.
+    """
+    nearest, inside = ti.math.inf, False
+    for c in range(parts.shape[0]):
+        ex, ey = parts[c, 2] - parts[c, 0], parts[c, 3] - parts[c, 1]
+        px, py = off_x - parts[c, 0], off_y - parts[c, 1]
+        length = ex * ex + ey * ey
+        along = 0.0
+        if length > 0.0:
+            along = ti.max(0.0, ti.min(1.0, (px * ex + py * ey) / length))
+        dx, dy = px - along * ex, py - along * ey
+        nearest = ti.min(nearest, ti.sqrt(dx * dx + dy * dy) - parts[c, 4])
+        if parts[c, 5] != 0.0 and (py < 0.0) != (py < ey) and px < py / ey * ex:
+            inside = not inside
+    return -ti.abs(nearest) if inside else nearest
+
+
+@ti.kernel
+def distance_to_implement(
+    x: ti.f64, y: ti.f64, parts: _f64_table, view: projection.numbers, distance: _f32_table
+):
+    """Distance of every pixel's centre to the implement, px of an ideal lens, 0 on it."""
+    for j in range(distance.shape[0]):
+        for i in range(distance.shape[1]):
+            at = projection.undistorted(view, ti.cast(i, ti.f64), ti.cast(j, ti.f64))
+            distance[j, i] = ti.cast(ti.max(away(at[0] - x, at[1] - y, parts), 0.0), ti.f32)
+
+
+@ti.kernel
+def cover_by_implement(
+    x: ti.f64,
+    y: ti.f64,
+    parts: _f64_table,
+    view: projection.numbers,
+    sampling: ti.template(),
+    margin: ti.i32,
+    samples: _i32_table,
+    centres: _i32_table,
+):
+    """Put an implement's side in front of everything.
+
+    The distance to it changes by no more than one goes: pixels further from its outline than their corners need
+    one look, not one a sample.
+    """
+    corner = 1.2  # px; of half a pixel's diagonal and half a sample, and what distortion stretches them by
+    for j in range(samples.shape[0] // sampling):
+        for i in range(samples.shape[1] // sampling):
+            at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
+            outline = away(at[0] - x, at[1] - y, parts)
+            if outline <= corner:
+                for b in range(sampling):
+                    for a in range(sampling):
+                        inside = outline < -corner
+                        if not inside:
+                            p = (a + stagger(b, sampling) + 0.5) / sampling - 0.5 + i - margin
+                            q = (b - stagger(a, sampling) + 0.5) / sampling - 0.5 + j - margin
+                            at = projection.undistorted(view, p, q)
+                            inside = away(at[0] - x, at[1] - y, parts) <= 0.0
+                        if inside:
+                            samples[j * sampling + b, i * sampling + a] = IMPLEMENT
+                if (
+                    outline <= 0.0
+                    and margin <= j < margin + centres.shape[0]
+                    and margin <= i < margin + centres.shape[1]
+                ):
+                    centres[j - margin, i - margin] = IMPLEMENT

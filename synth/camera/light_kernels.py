@@ -1,0 +1,247 @@
+# type: ignore  # taichi reads annotations and operators in its own way
+"""Taichi kernels of the light. Import only after `synth.devices.start_taichi`.
+
+Coordinates and buffers as in `synth.camera.cover_kernels`.
+"""
+
+import math
+
+import taichi as ti
+
+from synth.camera import projection
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, stagger
+
+RIM = 0.05
+"""Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""
+
+_f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
+_f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
+_f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
+_f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
+_i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
+_i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
+
+_BLOCK = 256
+"""Items that a thread does at a time."""
+
+
+@ti.kernel
+def turn_faces(
+    grain: _i32,
+    place: _f32_table,
+    angle: _f64,
+    slope_x: _f32,
+    slope_y: _f32,
+    brightness: _f32,
+    intensity: ti.f32,
+    roundness: ti.f32,
+    face: _f32_fours,
+):
+    """Columns of `face` for the tiled grains: light in full, slopes after a turn by `angle`, bend a sample.
+
+    `angle` is counter-clockwise in the world, so from y towards x of the picture.
+    """
+    for block in range((grain.shape[0] + _BLOCK - 1) // _BLOCK):
+        for k in range(block * _BLOCK, ti.min((block + 1) * _BLOCK, grain.shape[0])):
+            g = grain[k]
+            turn = ti.cast(-angle[g], ti.f32)
+            cosine, sine = ti.cos(turn), ti.sin(turn)
+            face[k] = ti.Vector(
+                [
+                    intensity * brightness[g],
+                    cosine * slope_x[g] - sine * slope_y[g],
+                    sine * slope_x[g] + cosine * slope_y[g],
+                    roundness / place[k, 2],
+                ]
+            )
+
+
+@ti.kernel
+def grain_radiance(
+    samples: _i32_table,
+    columns: ti.i32,
+    tile: ti.template(),
+    place: _f32_table,
+    face: _f32_fours,
+    index_mask: ti.i32,
+    behind: _f32_table,
+    sampling: ti.template(),
+    ambient: ti.f32,
+    lamp_side: ti.f32,
+    lamp_front: ti.f32,
+    radiance: _f32_table,
+):
+    """Light of every sample: of the grain that covers it, or of what is behind its pixel's grains.
+
+    A grain is a flattened half sphere with a tilted face; the lamps' directions are (-+lamp_side, 0,
+    lamp_front), the last towards the camera.
+    """
+    zero, one, rim, diffuse = ti.f32(0.0), ti.f32(1.0), ti.f32(RIM), ti.f32(1.0) - ambient
+    side = tile * sampling
+    down_tiles = (samples.shape[0] + side - 1) // side
+    ti.loop_config(block_dim=1)
+    for t in range(columns * down_tiles):
+        row, column = (t // columns) * side, (t % columns) * side
+        height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
+        for j in range(height):
+            shift, down_here = stagger(j, sampling), ti.cast(j, ti.f32)
+            for pixel in range(width // sampling):
+                back = behind[(row + j) // sampling, column // sampling + pixel]
+                for a in ti.static(range(sampling)):
+                    # Without a branch: where one grain ends and another begins cannot be foreseen.
+                    i = pixel * sampling + a
+                    depth = samples[row + j, column + i]
+                    grain = depth != NOTHING and depth != IMPLEMENT
+                    k = ti.select(grain, depth & index_mask, 0)
+                    light, scale = face[k][0], face[k][3]
+                    off_x = (ti.cast(i, ti.f32) + shift - place[k, 0]) * scale
+                    off_y = (down_here - ti.f32((a + 0.5) / sampling - 0.5) - place[k, 1]) * scale
+                    front = ti.sqrt(ti.max(one - off_x * off_x - off_y * off_y, zero)) + rim
+                    across, down = off_x + face[k][1], off_y + face[k][2]
+                    lit, aside = front * lamp_front, across * lamp_side
+                    lamps = ti.max(lit - aside, zero) + ti.max(lit + aside, zero)
+                    length = ti.sqrt(across * across + down * down + front * front)
+                    radiance[row + j, column + i] = ti.select(
+                        grain, light * (ambient + diffuse * lamps / length), back
+                    )
+
+
+@ti.kernel
+def implement_radiance(
+    samples: _i32_table,
+    x: ti.f64,
+    y: ti.f64,
+    wheel_radius: ti.f64,
+    angle: ti.f64,
+    grain: ti.f64,
+    view: projection.numbers,
+    sampling: ti.template(),
+    margin: ti.i32,
+    light: ti.f64,
+    radiance: _f32_table,
+):
+    """Light of the implement's side, marked with blotches of `grain` px; a wheel has rim, hub and spokes.
+
+    These are smooth over a pixel, so one value serves all of a pixel's samples; its outline does not.
+    """
+    cosine, sine = ti.cos(angle), ti.sin(angle)
+    for row in range(samples.shape[0] // sampling):
+        implement_row(
+            row, samples, x, y, wheel_radius, cosine, sine, grain, view, sampling, margin, light, radiance
+        )
+
+
+@ti.func
+def implement_row(
+    j,
+    samples: ti.template(),
+    x,
+    y,
+    wheel_radius,
+    cosine,
+    sine,
+    grain,
+    view,
+    sampling: ti.template(),
+    margin,
+    light,
+    radiance: ti.template(),
+):
+    for i in range(samples.shape[1] // sampling):
+        seen = False
+        for b, a in ti.ndrange(sampling, sampling):
+            seen = seen or samples[j * sampling + b, i * sampling + a] == IMPLEMENT
+        if seen:
+            at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
+            off_x, off_y = at[0] - x, at[1] - y
+            body_x, body_y = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
+            pattern = 1.0
+            if wheel_radius > 0.0:
+                pattern = _wheel_pattern(body_x / wheel_radius, body_y / wheel_radius)
+            blotch = _blotch(body_x / grain, body_y / grain) + 0.5 * _blotch(
+                2.3 * body_x / grain + 31.0, 2.3 * body_y / grain
+            )
+            value = ti.cast(light * (pattern + 0.25 * blotch), ti.f32)
+            for b, a in ti.ndrange(sampling, sampling):
+                if samples[j * sampling + b, i * sampling + a] == IMPLEMENT:
+                    radiance[j * sampling + b, i * sampling + a] = value
+
+
+@ti.func
+def _wheel_pattern(x, y):
+    """Relative light over a wheel of radius one: 1 on rim, hub and six spokes, less between them."""
+    away = ti.sqrt(x * x + y * y)
+    spoke = 1.0
+    for k in ti.static(range(3)):
+        across, along = ti.static(math.sin(k * math.pi / 3), math.cos(k * math.pi / 3))
+        spoke = ti.min(spoke, ti.abs(x * across - y * along))
+    raised = ti.max(
+        _step((away - 0.88) / 0.01), ti.max(_step((0.25 - away) / 0.01), _step((0.05 - spoke) / 0.01))
+    )
+    line = _step((0.006 - ti.abs(away - 0.96)) / 0.003)
+    return 0.65 + 0.35 * raised + 0.4 * line - 0.5 * _step((0.08 - away) / 0.01)
+
+
+@ti.func
+def _step(t):
+    """From 0 to 1 while t goes from -1 to 1, smoothly."""
+    s = ti.min(ti.max(0.5 * (t + 1.0), 0.0), 1.0)
+    return s * s * (3.0 - 2.0 * s)
+
+
+@ti.func
+def _blotch(x, y):
+    """Smooth noise in -1..1 with one independent value per unit cell."""
+    column, row = ti.floor(x), ti.floor(y)
+    s, t = x - column, y - row
+    s, t = s * s * (3.0 - 2.0 * s), t * t * (3.0 - 2.0 * t)
+    i, j = int(column), int(row)
+    upper = _lattice_value(i, j) * (1.0 - s) + _lattice_value(i + 1, j) * s
+    lower = _lattice_value(i, j + 1) * (1.0 - s) + _lattice_value(i + 1, j + 1) * s
+    return upper * (1.0 - t) + lower * t
+
+
+@ti.func
+def _lattice_value(i, j):
+    """Value in -1..1 from an integer hash of a lattice point; nothing is drawn."""
+    h = ti.cast(i, ti.u32) * ti.u32(374761393) + ti.cast(j, ti.u32) * ti.u32(668265263)
+    h = (h ^ (h >> 13)) * ti.u32(1274126177)
+    h = h ^ (h >> 16)
+    return ti.cast(h & ti.u32(0xFFFF), ti.f64) / 32767.5 - 1.0
+
+
+@ti.kernel
+def filter_rows(radiance: _f32_table, taps: _f32_table, start: ti.i32, sampling: ti.template(), filtered: _f32_table):
+    """Blur along x and integrate over the pixels' width: one output a pixel, rows still at sample spacing.
+
+    `taps` has a row of weights for every row of samples in a pixel: these are shifted against each other. Four
+    pixels are summed at a time, since each sum has to wait for its last step.
+    """
+    quads = (filtered.shape[1] + 3) // 4
+    for j in range(filtered.shape[0]):
+        one_of = j % sampling
+        for quad in range(quads):
+            base = ti.min(quad * 4, filtered.shape[1] - 4)
+            total = ti.Vector([ti.f32(0.0)] * 4)
+            for k in range(taps.shape[1]):
+                weight = taps[one_of, k]
+                for c in ti.static(range(4)):
+                    total[c] += weight * radiance[j, start + (base + c) * sampling + k]
+            for c in ti.static(range(4)):
+                filtered[j, base + c] = total[c]
+
+
+@ti.kernel
+def filter_columns(filtered: _f32_table, taps: _f32, start: ti.i32, sampling: ti.template(), picture: _f32_table):
+    """Blur along y and integrate over the pixels' height."""
+    quads = (picture.shape[1] + 3) // 4
+    for j in range(picture.shape[0]):
+        for quad in range(quads):
+            base = ti.min(quad * 4, picture.shape[1] - 4)
+            total = ti.Vector([ti.f32(0.0)] * 4)
+            for k in range(taps.shape[0]):
+                weight = taps[k]
+                for c in ti.static(range(4)):
+                    total[c] += weight * filtered[start + j * sampling + k, base + c]
+            for c in ti.static(range(4)):
+                picture[j, base + c] = total[c]

@@ -1,0 +1,61 @@
+"""What disturbs a real rig, drawn from the scene's seed: each with a severity of 0 in a clean scene."""
+
+from typing import TYPE_CHECKING
+
+from synth.camera.streams import Purpose, random_stream
+
+if TYPE_CHECKING:
+    import numpy as np
+
+    from synth.recording import Recording
+    from synth.scene import Scene
+
+STATES = ("carriage_x", "implement_x", "implement_z", "implement_angle", "position_x", "position_z", "angle")
+"""Variables of a recording that a picture shows."""
+
+
+def vibration(scene: "Scene", frame: int) -> tuple[float, float]:
+    """Where the carriage's vibration has moved the optical axis at a frame, m along x and z."""
+    severity = scene.nuisance.vibration
+    if severity == 0:
+        return 0.0, 0.0
+    x, z = random_stream(scene.seed, Purpose.VIBRATION, frame).normal(0, severity, 2)
+    return float(x) * scene.camera.metres_per_pixel, float(z) * scene.camera.metres_per_pixel
+
+
+def flicker(scene: "Scene", frame: int) -> float:
+    """Light of a frame / that of a steady lamp."""
+    severity = scene.nuisance.flicker
+    if severity == 0:
+        return 1.0
+    return max(0.0, 1.0 + float(random_stream(scene.seed, Purpose.FLICKER, frame).normal(0, severity)))
+
+
+def as_seen(recording: "Recording", scene: "Scene") -> "Recording":
+    """The states at the instants the camera takes its pictures: linear between the recorded ones.
+
+    The first and the last picture can be late and early only: nothing is recorded beyond them.
+    """
+    import numpy as np
+
+    from synth.recording import Recording
+
+    severity = scene.nuisance.jitter
+    if severity == 0:
+        return recording
+    last = recording.frame_count - 1
+    shift = random_stream(scene.seed, Purpose.JITTER).normal(0, severity, recording.frame_count)
+    at = np.clip(np.arange(recording.frame_count) + np.clip(shift, -0.45, 0.45), 0, last)
+    data = recording.data.copy()
+    for name in STATES:
+        data[name] = recording.data[name].copy(data=_between(recording.data[name].values, at))
+    return Recording(data)
+
+
+def _between(states: "np.ndarray", at: "np.ndarray") -> "np.ndarray":
+    """States (frame, ...) at fractional frames."""
+    import numpy as np
+
+    before = np.minimum(at.astype(int), len(states) - 2)
+    share = (at - before).reshape(-1, *(1,) * (states.ndim - 1))
+    return states[before] + share * (states[before + 1] - states[before]).astype(states.dtype)
