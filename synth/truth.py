@@ -138,6 +138,7 @@ def true_motion(
         A frame that is not recorded, or twice the same one.
     """
     from synth.camera.cover import cover
+    from synth.camera.exchange import grains_at
     from synth.camera.nuisance import as_seen
     from synth.devices import start_taichi
     from synth.scene import AnalyticScene
@@ -155,7 +156,7 @@ def true_motion(
     recording = as_seen(recording, scene)
     grains, motion = grains_and_motion(recording, scene)
     placements = _placements(motion, {first, second})
-    covered = cover(scene, recording, grains, placements[first])
+    covered = cover(scene, recording, grains_at(grains, placements[first]), placements[first])
     surroundings = motion.surroundings(placements[first], second)
     truth = pair_truth(scene, recording, covered, surroundings, placements[first], placements[second])
     return _dataset(truth, recording, scene)
@@ -180,22 +181,26 @@ def pair_truth(
     next_placement: "Placement",
 ) -> PairTruth:
     """Truth from the frame of `covered` and `placement` to that of `next_placement`."""
+    from synth.camera.exchange import still_there
     from synth.camera.implement_face import face_of
     from synth.camera.view import View
 
     first, second = placement.frame, next_placement.frame
     view, next_view = covered.view, View.of(scene, recording, second)
     next_face = face_of(scene, recording, second, next_view)
-    states = (placement.x, placement.z, placement.angle)
-    states += (next_placement.x, next_placement.z, next_placement.angle, next_placement.alive)
+    there = still_there(placement, next_placement)
+    states = _states(placement, next_placement, there)
     arrays = _motion_arrays(covered, states, next_view, next_face, surroundings)
-    arrays["mixed"] = _mixed(
-        covered, states, next_view, next_face, arrays["distance_to_implement"]
-    )
+    arrays["mixed"] = _mixed(covered, states, next_view, next_face, arrays["distance_to_implement"])
     arrays.update(_discontinuities(arrays))
     arrays["strain_rate"] /= abs(second - first)
     arrays["rotation"] /= second - first
     return PairTruth(first, second, arrays, _camera_motion(view, next_view))
+
+
+def _states(placement: "Placement", other: "Placement", there: "np.ndarray") -> "tuple[np.ndarray, ...]":
+    """What kernels need of the grains: where they are, where they will be, and whether they still are."""
+    return (placement.x, placement.z, placement.angle, other.x, other.z, other.angle, there)
 
 
 def _camera_motion(view: "View", next_view: "View") -> dict[str, float]:

@@ -467,10 +467,13 @@ def verify(
 
 @app.command()
 def bench(
-    name: Annotated[Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver, LAMMPS.")],
+    name: Annotated[
+        Literal["dem", "render"],
+        typer.Argument(metavar="NAME", help="dem: the grain solver, LAMMPS. render: pictures with truth."),
+    ],
     grains: Annotated[
         list[int] | None,
-        typer.Option(min=100, metavar="N", help="About so many discs; may repeat.", show_default=False),
+        typer.Option(min=100, metavar="N", help="dem: about so many discs; may repeat.", show_default=False),
     ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Measurements; their median is told.")] = 5,
     threads: Threads = None,
@@ -479,14 +482,18 @@ def bench(
 ) -> None:
     """Measure speed, ours and that of peers found on the PATH, on the same work and in turn."""
     from validation.bench.dem import GRAIN_COUNTS, bench_dem
+    from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
 
     terminal = Terminal(json=json)
     workers = threads or os.cpu_count() or 1
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
-        rows = bench_dem(
-            grain_counts=grains or GRAIN_COUNTS, repeats=repeats, threads=workers, progress=progress
-        )
+        if name == "render":
+            rows = bench_render(repeats=repeats, threads=workers, progress=progress)
+        else:
+            rows = bench_dem(
+                grain_counts=grains or GRAIN_COUNTS, repeats=repeats, threads=workers, progress=progress
+            )
     terminal.show(bench_table(f"bench {name}, {workers} threads", rows))
     terminal.give(bench_document(name, rows, threads=workers, device="cpu"))
 

@@ -59,6 +59,7 @@ def cover(
     placement: "Placement",
     *,
     reuse: Cover | None = None,
+    picture: int | None = None,
 ) -> Cover:
     """Put micro-grains and implement in front of each other at a frame.
 
@@ -66,12 +67,14 @@ def cover(
     ----------
     reuse : Cover, optional
         One of the same scene that is not needed any more: its samples are overwritten.
+    picture : int, optional
+        As in `View.of`.
     """
     import numpy as np
 
     from synth.camera import cover_kernels
 
-    view = View.of(scene, recording, placement.frame)
+    view = View.of(scene, recording, placement.frame, picture=picture)
     face = face_of(scene, recording, placement.frame, view)
     margin = max(math.ceil(4 * scene.lens.blur) + 1, VOID_REACH)
     sampling = scene.camera.supersampling

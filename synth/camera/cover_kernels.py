@@ -1,20 +1,18 @@
 # type: ignore  # taichi reads annotations and operators in its own way
 """Taichi kernels of what covers what. Import only after `synth.devices.start_taichi`.
 
-Image coordinates throughout: px, y down, integer at pixel centres. Samples lie S x S to a pixel in a buffer that
-is wider than the picture by a margin of whole pixels. They do not lie on a square grid but on one that is turned a
-little, so that the S x S samples of a pixel have S x S different places along x and along y, as rooks that do not
-threaten each other: an edge of any direction is met in S x S steps, not in S. Sample (j, i) is at
-((i + `stagger`(j) + 0.5) / S - 0.5 - margin, (j - `stagger`(i) + 0.5) / S - 0.5 - margin).
+Image coordinates throughout: px, y down, integer at pixel centres. Samples lie S x S to a pixel in a buffer
+that is wider than the picture by a margin of whole pixels: sample (j, i) is at the image coordinates
+((i + 0.5) / S - 0.5 - margin, (j + 0.5) / S - 0.5 - margin).
 
 A buffer of samples holds keys (`synth.camera.tiles`): `IMPLEMENT` in front of everything, the foremost
-micro-grain's, or `NOTHING`. Every tile has one writer, and the least key wins whatever the order of writing is:
-every result is the same on any number of threads.
+micro-grain's, or `NOTHING`. Every tile has one writer, and the least key wins whatever the order of writing:
+results are the same on any number of threads.
 """
 
 import taichi as ti
 
-from synth.camera import projection
+from synth.camera import projection_kernels as projection
 
 NOTHING = 2**31 - 1
 IMPLEMENT = -1
@@ -29,14 +27,8 @@ _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 
 @ti.func
 def remainder(n, divisor: ti.template()):
-    """n % divisor of what is not negative; cheaper than the remainder that minds the sign."""
+    """N % divisor of what is not negative; cheaper than the remainder that minds the sign."""
     return ti.cast(ti.cast(n, ti.u32) % ti.u32(divisor), ti.i32)
-
-
-@ti.func
-def stagger(n, sampling: ti.template()):
-    """Shift of a row or column of samples, in samples: -0.5 to 0.5 over a pixel."""
-    return ti.cast(remainder(n, sampling), ti.f32) * ti.f32(1.0 / sampling) + ti.f32(0.5 / sampling - 0.5)
 
 
 @ti.kernel
@@ -69,7 +61,7 @@ def cover_by_grains(
 ):
     """Clear every tile, and put its grains' discs into its samples and pixel centres."""
     side = tile * sampling
-    per_pixel, middle, half = ti.f32(1.0 / sampling), ti.f32(0.5 * (sampling - 1)), ti.f32(0.5)
+    per_pixel, middle = ti.f32(1.0 / sampling), ti.f32(0.5 * (sampling - 1))
     ti.loop_config(block_dim=1)
     for t in range(first.shape[0] - 1):
         row, column = (t // columns) * side, (t % columns) * side
@@ -84,17 +76,17 @@ def cover_by_grains(
         for k in range(first[t], first[t + 1]):
             x, y, radius = place[k, 0], place[k, 1], place[k, 2]
             square, depth = radius * radius, key[k]
-            low_i = ti.max(ti.cast(ti.ceil(x - radius - half), ti.i32), 0)
-            high_i = ti.min(ti.cast(ti.floor(x + radius + half), ti.i32), width - 1) + 1
-            low_j = ti.max(ti.cast(ti.ceil(y - radius - half), ti.i32), 0)
-            high_j = ti.min(ti.cast(ti.floor(y + radius + half), ti.i32), height - 1) + 1
+            low_i = ti.max(ti.cast(ti.ceil(x - radius), ti.i32), 0)
+            high_i = ti.min(ti.cast(ti.floor(x + radius), ti.i32), width - 1) + 1
+            low_j = ti.max(ti.cast(ti.ceil(y - radius), ti.i32), 0)
+            high_j = ti.min(ti.cast(ti.floor(y + radius), ti.i32), height - 1) + 1
             for j in range(low_j, high_j):
-                off_x, off_y = stagger(j, sampling) - x, ti.cast(j, ti.f32) - y
+                down = ti.cast(j, ti.f32) - y
+                rest = square - down * down
                 for i in range(low_i, high_i):
-                    across = ti.cast(i, ti.f32) + off_x
-                    down = off_y - stagger(i, sampling)
+                    across = ti.cast(i, ti.f32) - x
                     # Without a branch: which samples lie in a disc is too irregular to be foreseen.
-                    own = ti.select(across * across + down * down <= square, depth, NOTHING)
+                    own = ti.select(across * across <= rest, depth, NOTHING)
                     samples[row + j, column + i] = ti.min(samples[row + j, column + i], own)
             # The same for pixel centres, which lie at `middle` + n S of the samples.
             low_i = ti.max(ti.cast(ti.ceil((x - radius - middle) * per_pixel), ti.i32), 0, left)
@@ -113,10 +105,7 @@ def cover_by_grains(
                 down = ti.cast(j * sampling, ti.f32) + middle - y
                 for i in range(low_i, high_i + 1):
                     across = ti.cast(i * sampling, ti.f32) + middle - x
-                    if (
-                        across * across + down * down <= square
-                        and centres[j - above, i - left] > depth
-                    ):
+                    if across * across + down * down <= square and centres[j - above, i - left] > depth:
                         centres[j - above, i - left] = depth
 
 
@@ -165,10 +154,10 @@ def cover_by_implement(
 ):
     """Put an implement's side in front of everything.
 
-    The distance to it changes by no more than one goes: pixels further from its outline than their corners need
-    one look, not one a sample.
+    The distance to it changes by no more than one goes: pixels further from its outline than their corners
+    need one look, not one a sample.
     """
-    corner = 1.2  # px; of half a pixel's diagonal and half a sample, and what distortion stretches them by
+    corner = 1.0  # px; half a pixel's diagonal, and what distortion stretches it by
     for j in range(samples.shape[0] // sampling):
         for i in range(samples.shape[1] // sampling):
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
@@ -178,8 +167,8 @@ def cover_by_implement(
                     for a in range(sampling):
                         inside = outline < -corner
                         if not inside:
-                            p = (a + stagger(b, sampling) + 0.5) / sampling - 0.5 + i - margin
-                            q = (b - stagger(a, sampling) + 0.5) / sampling - 0.5 + j - margin
+                            p = (a + 0.5) / sampling - 0.5 + i - margin
+                            q = (b + 0.5) / sampling - 0.5 + j - margin
                             at = projection.undistorted(view, p, q)
                             inside = away(at[0] - x, at[1] - y, parts) <= 0.0
                         if inside:

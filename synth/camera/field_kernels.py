@@ -2,8 +2,8 @@
 """Taichi kernels of the particles' motion. Import this module only after `synth.devices.start_taichi`.
 
 World coordinates throughout: m, z up. Particles are sorted by square cells; `first` holds each cell's first
-particle, with one entry more than there are cells. `grid` holds the cells' left, bottom and size, `shape` their
-columns and rows. Every thread gathers for its own points.
+particle, with one entry more than there are cells. `grid` holds the cells' left, bottom and size, `shape`
+their columns and rows. Every thread gathers for its own points.
 """
 
 import taichi as ti
@@ -21,8 +21,8 @@ grid_vector = ti.types.vector(3, ti.f64)
 shape_vector = ti.types.vector(2, ti.i32)
 
 NOWHERE, FREE, BESIDE, INNER = 0, 1, 2, 3
-"""A node without a particle near, one with, one beside the implement, whose value holds on its side only, and one
-that is free with all around it."""
+"""A node without a particle near, one with, one beside the implement, whose value holds on its side only, and
+one that is free with all around it."""
 _BLOCK = 256
 """Points that a thread does at a time."""
 
@@ -102,7 +102,7 @@ def find_loose(
     least: ti.f64,
     loose: _u8,
 ):
-    """Particles further from what is expected of them than `ratio` times their neighbours' median plus `least`.
+    """Particles further from what is expected than `ratio` times their neighbours' median, plus `least`.
 
     The normalised median test of Westerweel and Scarano, Experiments in Fluids 39, 2005, with residuals of
     affine fits in place of those of medians: a gradient is no outlier.
@@ -118,7 +118,9 @@ def find_loose(
                 for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
                     square = (x[q] - x[p]) ** 2 + (z[q] - z[p]) ** 2
                     if square < reach * reach and q != p:
-                        other = ti.sqrt((moved_x[q] - expected[q, 0]) ** 2 + (moved_z[q] - expected[q, 1]) ** 2)
+                        other = ti.sqrt(
+                            (moved_x[q] - expected[q, 0]) ** 2 + (moved_z[q] - expected[q, 1]) ** 2
+                        )
                         if other >= 0.0:
                             count += 1
                             below += int(other < limit)
@@ -143,8 +145,8 @@ def fit_gradients(
 ):
     """Displacement gradient at every particle by weighted least squares over its neighbours within `reach`.
 
-    Loose neighbours do not count. Directions in which the others spread less than `floor` (m2) count as if they
-    spread that much: the gradient fades there instead of blowing up.
+    Loose neighbours do not count. Directions in which the others spread less than `floor` (m2) count as if
+    they spread that much: the gradient fades there instead of blowing up.
     """
     for p in range(x.shape[0]):
         spread = ti.Matrix.zero(ti.f64, 2, 2)
@@ -217,7 +219,7 @@ def _outside(x, z, parts: ti.template()):
 
 @ti.func
 def _behind(px, pz, qx, qz, parts: ti.template()):
-    """Whether the line from p to q goes through the implement: nearer to a capsule's axis than half its radius."""
+    """Whether a line passes a capsule's axis nearer than half its radius: goes through the implement."""
     hidden = False
     for c in range(parts.shape[0]):
         ax, az, bx, bz = parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3]
@@ -250,7 +252,7 @@ def _blend(
     reach,
     parts: ti.template(),
 ):
-    """Displacement, turn and strain at a place, the nearest particle (-1: none), and the implement's distance.
+    """Displacement, turn and strain at a place, the nearest particle (-1: none), the implement's distance.
 
     A partition of unity over the affine motions of the particles within reach that the implement does not
     hide. The weights are Wendland's C2 function of the distance.
@@ -268,7 +270,9 @@ def _blend(
                 ratio = ti.sqrt(square) / reach
                 rest = (1.0 - ratio) * (1.0 - ratio)
                 weight = rest * rest * (1.0 + 4.0 * ratio)
-                local = ti.Matrix([[gradient[p, 0, 0], gradient[p, 0, 1]], [gradient[p, 1, 0], gradient[p, 1, 1]]])
+                local = ti.Matrix(
+                    [[gradient[p, 0, 0], gradient[p, 0, 1]], [gradient[p, 1, 0], gradient[p, 1, 1]]]
+                )
                 blended += weight * (ti.Vector([moved_x[p], moved_z[p]]) + local @ away)
                 stretch += weight * local
                 weight_sum += weight
@@ -339,7 +343,7 @@ def find_inner(state: _u8_table):
             free = True
             for n in ti.static(range(9)):
                 around = state[j + n // 3 - 1, i + n % 3 - 1]
-                free = free and (around == FREE or around == INNER)
+                free = free and around != NOWHERE and around != BESIDE
             if free:
                 state[j, i] = ti.u8(INNER)
 
@@ -374,7 +378,7 @@ def carry(
     strain: _f32,
     particle: _i32,
 ):
-    """Move points by quadratic B-splines over the nodes around; beside the implement, by the particles themselves.
+    """Move points by quadratic B-splines over nodes; beside the implement, by the particles themselves.
 
     Nodes without a particle near do not count. A point without one is lost.
     """
@@ -386,15 +390,17 @@ def carry(
             i, j = int(ti.round(s)), int(ti.round(t))
             if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
                 if state[j, i] == BESIDE:
-                    found = _blend(
-                        p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts
-                    )
+                    found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
                     u, v, turn, strained, near = found[0], found[1], found[2], found[3], int(found[4])
                 else:
                     inner = state[j, i] == INNER
                     a, b = s - i, t - j
-                    across = ti.Vector([0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)])
-                    upwards = ti.Vector([0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)])
+                    across = ti.Vector(
+                        [0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)]
+                    )
+                    upwards = ti.Vector(
+                        [0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)]
+                    )
                     whole, closest, blended = 0.0, reach * reach, ti.Vector.zero(ti.f64, 4)
                     for n in ti.static(range(3)):
                         for m in ti.static(range(3)):

@@ -8,8 +8,8 @@ import math
 
 import taichi as ti
 
-from synth.camera import projection
-from synth.camera.cover_kernels import IMPLEMENT, NOTHING, stagger
+from synth.camera import projection_kernels as projection
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING
 
 RIM = 0.05
 """Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""
@@ -84,7 +84,6 @@ def grain_radiance(
         row, column = (t // columns) * side, (t % columns) * side
         height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
         for j in range(height):
-            shift, down_here = stagger(j, sampling), ti.cast(j, ti.f32)
             for pixel in range(width // sampling):
                 back = behind[(row + j) // sampling, column // sampling + pixel]
                 for a in ti.static(range(sampling)):
@@ -94,8 +93,8 @@ def grain_radiance(
                     grain = depth != NOTHING and depth != IMPLEMENT
                     k = ti.select(grain, depth & index_mask, 0)
                     light, scale = face[k][0], face[k][3]
-                    off_x = (ti.cast(i, ti.f32) + shift - place[k, 0]) * scale
-                    off_y = (down_here - ti.f32((a + 0.5) / sampling - 0.5) - place[k, 1]) * scale
+                    off_x = (ti.cast(i, ti.f32) - place[k, 0]) * scale
+                    off_y = (ti.cast(j, ti.f32) - place[k, 1]) * scale
                     front = ti.sqrt(ti.max(one - off_x * off_x - off_y * off_y, zero)) + rim
                     across, down = off_x + face[k][1], off_y + face[k][2]
                     lit, aside = front * lamp_front, across * lamp_side
@@ -126,13 +125,13 @@ def implement_radiance(
     """
     cosine, sine = ti.cos(angle), ti.sin(angle)
     for row in range(samples.shape[0] // sampling):
-        implement_row(
+        _implement_row(
             row, samples, x, y, wheel_radius, cosine, sine, grain, view, sampling, margin, light, radiance
         )
 
 
 @ti.func
-def implement_row(
+def _implement_row(
     j,
     samples: ti.template(),
     x,
@@ -211,20 +210,20 @@ def _lattice_value(i, j):
 
 
 @ti.kernel
-def filter_rows(radiance: _f32_table, taps: _f32_table, start: ti.i32, sampling: ti.template(), filtered: _f32_table):
+def filter_rows(
+    radiance: _f32_table, taps: _f32, start: ti.i32, sampling: ti.template(), filtered: _f32_table
+):
     """Blur along x and integrate over the pixels' width: one output a pixel, rows still at sample spacing.
 
-    `taps` has a row of weights for every row of samples in a pixel: these are shifted against each other. Four
-    pixels are summed at a time, since each sum has to wait for its last step.
+    Four pixels are summed at a time, since each sum has to wait for its last step.
     """
     quads = (filtered.shape[1] + 3) // 4
     for j in range(filtered.shape[0]):
-        one_of = j % sampling
         for quad in range(quads):
             base = ti.min(quad * 4, filtered.shape[1] - 4)
             total = ti.Vector([ti.f32(0.0)] * 4)
-            for k in range(taps.shape[1]):
-                weight = taps[one_of, k]
+            for k in range(taps.shape[0]):
+                weight = taps[k]
                 for c in ti.static(range(4)):
                     total[c] += weight * radiance[j, start + (base + c) * sampling + k]
             for c in ti.static(range(4)):
@@ -232,7 +231,9 @@ def filter_rows(radiance: _f32_table, taps: _f32_table, start: ti.i32, sampling:
 
 
 @ti.kernel
-def filter_columns(filtered: _f32_table, taps: _f32, start: ti.i32, sampling: ti.template(), picture: _f32_table):
+def filter_columns(
+    filtered: _f32_table, taps: _f32, start: ti.i32, sampling: ti.template(), picture: _f32_table
+):
     """Blur along y and integrate over the pixels' height."""
     quads = (picture.shape[1] + 3) // 4
     for j in range(picture.shape[0]):

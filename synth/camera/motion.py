@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from synth.camera import particle_field
+from synth.camera.exchange import Exchanging
 from synth.camera.particle_field import ParticleField
 
 if TYPE_CHECKING:
@@ -27,6 +28,8 @@ class Placement:
         Rotation since the first frame, rad, counter-clockwise.
     alive : uint8
         1, or 0 for a grain that was lost where no particle was near.
+    generation : int32, optional
+        How many grains have been in each one's place before, where grains are exchanged.
     """
 
     frame: int
@@ -34,6 +37,7 @@ class Placement:
     z: "np.ndarray"
     angle: "np.ndarray"
     alive: "np.ndarray"
+    generation: "np.ndarray | None" = None
 
 
 @dataclass(frozen=True)
@@ -70,6 +74,12 @@ class Motion(Protocol):
 
 def motion_of(scene: "Scene", recording: "Recording", grains: "MicroGrains") -> Motion:
     """Motion that a scene chooses."""
+    motion = _motion_of(scene, recording, grains)
+    rate = scene.nuisance.exchange
+    return Exchanging(motion, rate, scene.seed) if rate > 0 else motion
+
+
+def _motion_of(scene: "Scene", recording: "Recording", grains: "MicroGrains") -> Motion:
     if recording.data.sizes["particle"] == 0:
         return OnPlate(recording, grains)
     if scene.texture.motion == "carried":
@@ -164,9 +174,8 @@ class Interpolated:
     def _carried(self, placement: Placement, second: int) -> particle_field.Carried:
         if second != placement.frame + 1:
             return self._carried_anew(placement, second)
-        if (
-            self._latest is None or self._latest[0] is not placement
-        ):  # asked for twice: motion and surroundings
+        # Asked for more than once: motion and surroundings.
+        if self._latest is None or self._latest[0].x is not placement.x:
             self._latest = placement, self._carried_anew(placement, second)
         return self._latest[1]
 

@@ -38,24 +38,33 @@ def as_seen(recording: "Recording", scene: "Scene") -> "Recording":
     """
     import numpy as np
 
-    from synth.recording import Recording
-
     severity = scene.nuisance.jitter
     if severity == 0:
         return recording
     last = recording.frame_count - 1
     shift = random_stream(scene.seed, Purpose.JITTER).normal(0, severity, recording.frame_count)
     at = np.clip(np.arange(recording.frame_count) + np.clip(shift, -0.45, 0.45), 0, last)
-    data = recording.data.copy()
-    for name in STATES:
-        data[name] = recording.data[name].copy(data=_between(recording.data[name].values, at))
-    return Recording(data)
+    return states_at(recording, at)
+
+
+def states_at(recording: "Recording", at: "np.ndarray") -> "Recording":
+    """A recording's states at fractional frames: linear between them, and on as there beyond the ends."""
+    import xarray as xr
+
+    from synth.recording import VARIABLES, Recording
+
+    arrays = {name: recording.data[name].values for name in VARIABLES}
+    for name in ("time", *STATES):
+        arrays[name] = _between(arrays[name], at)
+    for name in ("velocity_x", "velocity_z"):  # no picture shows them
+        arrays[name] = arrays[name][at.round().astype(int).clip(0, recording.frame_count - 1)]
+    data = xr.Dataset({name: (VARIABLES[name][0], array) for name, array in arrays.items()})
+    return Recording(data.assign_attrs(recording.data.attrs))
 
 
 def _between(states: "np.ndarray", at: "np.ndarray") -> "np.ndarray":
-    """States (frame, ...) at fractional frames."""
     import numpy as np
 
-    before = np.minimum(at.astype(int), len(states) - 2)
+    before = np.clip(np.floor(at).astype(int), 0, len(states) - 2)
     share = (at - before).reshape(-1, *(1,) * (states.ndim - 1))
-    return states[before] + share * (states[before + 1] - states[before]).astype(states.dtype)
+    return states[before] + share * (states[before + 1].astype(float) - states[before])

@@ -18,7 +18,7 @@ _BLEND_REACH = 1.75
 _FLOOR = 0.05
 """Least spread of the neighbours, in squared mean diameters, that a fit trusts; a full ring has 0.3."""
 _NODE_SPACING = 1 / 3
-"""Of the nodes the field is computed at, in mean diameters: a fifth of the reach of what varies between them."""
+"""Of the nodes the field is computed at, in mean diameters: a fifth of a particle's reach."""
 _LOOSE_RATIO = 5.0
 """A particle this many times further from what its neighbours lead to expect than these are is loose."""
 _LOOSE_LEAST = 0.005
@@ -68,12 +68,12 @@ class ParticleField:
     """Motion of the particles between two frames of a recording.
 
     Every particle has an affine motion: its own displacement, and a gradient fitted to its neighbours'
-    displacements. A partition of unity (C2) over these is computed at the nodes of a grid that is finer than the
-    particles, and quadratic B-splines (C1) carry it to points: an affine field is met exactly. Particles act
-    only where the implement does not hide them.
+    displacements. A partition of unity (C2) over these is computed at the nodes of a grid that is finer than
+    the particles, and quadratic B-splines (C1) carry it to points: an affine field is met exactly. Particles
+    act only where the implement does not hide them.
 
-    A loose particle, which falls through a pore or rolls over its neighbours, stands for no soil around it: it
-    gets the motion that its neighbours lead to expect.
+    A loose particle, which falls through a pore or rolls over its neighbours, stands for no soil around it:
+    it gets the motion that its neighbours lead to expect.
 
     Attributes
     ----------
@@ -105,9 +105,13 @@ class ParticleField:
         from synth.camera import field_kernels
 
         count = len(x)
-        doubles = [np.empty(count) for _ in range(3)]
         carried = Carried(
-            *doubles, np.empty(count, np.uint8), np.empty(count, np.float32), np.empty(count, np.int32)
+            x=np.empty(count),
+            z=np.empty(count),
+            angle=np.empty(count),
+            alive=np.empty(count, np.uint8),
+            strain=np.empty(count, np.float32),
+            particle=np.empty(count, np.int32),
         )
         field_kernels.carry(
             x,
@@ -185,7 +189,7 @@ class ParticleField:
         )
 
     def _nodes(self, x: "np.ndarray", z: "np.ndarray") -> tuple[Any, ...]:
-        """Left, bottom and spacing of the nodes around the points, their values, nearest particles, states."""
+        """Left, bottom and spacing of the nodes around points; their values, nearest particles, states."""
         import numpy as np
 
         from synth.camera import field_kernels

@@ -13,6 +13,7 @@ from synth.camera.tiles import TILE
 if TYPE_CHECKING:
     import numpy as np
 
+    from synth.camera.glass import Glass
     from synth.camera.implement_face import ImplementFace
     from synth.camera.motion import Placement
     from synth.camera.texture import MicroGrains
@@ -20,19 +21,8 @@ if TYPE_CHECKING:
 
 _BLOTCH = 1.0e-3
 """m; size of the marks on the implement's side."""
-
-
-def take_picture(
-    scene: "Scene",
-    grains: "MicroGrains",
-    placement: "Placement",
-    covered: Cover,
-    *,
-    film: "Film | None" = None,
-) -> "np.ndarray":
-    """Picture of a frame: (H, W) uint8 or uint16."""
-    light = light_on_sensor(scene, grains, placement, covered, film=film)
-    return expose(scene, light, placement.frame)
+_BLUR_REACH = 3.5
+"""Deviations of the blur: beyond lies less than 0.05 % of the light."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,17 +54,20 @@ def light_on_sensor(
     covered: Cover,
     *,
     film: Film | None = None,
+    glass: "Glass | None" = None,
 ) -> "np.ndarray":
-    """Light of every pixel without noise, as a share of full scale: (H, W) float32.
+    """Light of every pixel at an instant, without noise, as a share of full scale: (H, W) float32.
 
     Lens blur and the integration over the pixel are both convolutions, and are done as one: a Gaussian
-    convolved with the pixel's box, applied to the samples. Vignetting varies so slowly that it acts on whole
-    pixels.
+    convolved with the pixel's box, applied to the samples. Vignetting and dirt on the lens are so smooth that
+    they act on whole pixels.
 
     Parameters
     ----------
     film : Film, optional
         Buffers to use again.
+    glass : Glass, optional
+        What is on the glass and the lens; default: nothing.
     """
     import numpy as np
 
@@ -82,14 +75,17 @@ def light_on_sensor(
 
     film = film or Film.like(covered)
     _radiance(scene, grains, placement, covered, film.radiance)
+    if glass is not None:
+        glass.put_before(scene, covered, film.radiance)
     sampling = covered.sampling
-    across, down = _lens_and_pixel(scene.lens.blur, sampling)
-    start = covered.margin * sampling - (len(down) - sampling) // 2
+    taps = _lens_and_pixel(scene.lens.blur, sampling)
+    start = covered.margin * sampling - (len(taps) - sampling) // 2
     height, width = covered.centres.shape
     picture = np.empty((height, width), np.float32)
-    light_kernels.filter_rows(film.radiance, across, start, sampling, film.filtered)
-    light_kernels.filter_columns(film.filtered, down, start, sampling, picture)
-    return picture * _vignette(height, width, scene.lens.vignetting)
+    light_kernels.filter_rows(film.radiance, taps, start, sampling, film.filtered)
+    light_kernels.filter_columns(film.filtered, taps, start, sampling, picture)
+    passed = _vignette(height, width, scene.lens.vignetting)
+    return picture * (passed if glass is None else passed * glass.dirt)
 
 
 def expose(scene: "Scene", light: "np.ndarray", frame: int) -> "np.ndarray":
@@ -153,9 +149,7 @@ def _radiance(
         _light_implement(scene, covered, covered.face, radiance)
 
 
-def _light_implement(
-    scene: "Scene", covered: Cover, face: "ImplementFace", radiance: "np.ndarray"
-) -> None:
+def _light_implement(scene: "Scene", covered: Cover, face: "ImplementFace", radiance: "np.ndarray") -> None:
     from synth.camera import light_kernels
 
     light_kernels.implement_radiance(
@@ -181,27 +175,12 @@ def _behind_the_grains(scene: "Scene", covered: Cover) -> "np.ndarray":
     return np.where(soil, np.float32(scene.light.void), np.float32(scene.light.background))
 
 
-def _lens_and_pixel(blur: float, sampling: int) -> "tuple[np.ndarray, np.ndarray]":
-    """Weights of the samples around a pixel: a pixel's box convolved with a Gaussian of `blur` px.
-
-    Along x one row of weights for every row of samples, (S, K), and along y (K,): rows of samples are shifted
-    against each other (`synth.camera.cover_kernels`); columns are, too, but a pixel holds all their shifts, so
-    that they cancel in the weights along y.
-    """
+def _lens_and_pixel(blur: float, sampling: int) -> "np.ndarray":
+    """Weights of the samples around a pixel: a pixel's box and a Gaussian of `blur` px, convolved."""
     import numpy as np
 
-    # Beyond 3.5 deviations lies less than a grey level of 16 bits of a picture's contrast.
-    reach = math.ceil((3.5 * blur) * sampling) if blur > 0 else 0
-    place = np.arange(-reach, sampling + reach) + 0.5
-    shift = (np.arange(sampling) + 0.5) / sampling - 0.5
-    across = np.stack([_weights((place + s) / sampling - 0.5, blur) for s in shift])
-    return across, _weights(place / sampling - 0.5, blur)
-
-
-def _weights(offset: "np.ndarray", blur: float) -> "np.ndarray":
-    """Weights, with sum one, of samples at `offset` px from a pixel's centre; float32."""
-    import numpy as np
-
+    reach = math.ceil(_BLUR_REACH * blur * sampling)
+    offset = (np.arange(-reach, sampling + reach) + 0.5) / sampling - 0.5
     weight = np.ones(len(offset))
     if blur > 0:
         scale = 1 / (math.sqrt(2) * blur)

@@ -65,9 +65,7 @@ def render(
         BackgroundWriter() as writer,
     ):
         _render_frames(seen, scene, folder, truth, writer, clock or StageClock(), progress)
-    write_sequence(
-        folder, scene.timing.frame_rate, scene.camera.metres_per_pixel, recording.frame_count
-    )
+    write_sequence(folder, scene.timing.frame_rate, scene.camera.metres_per_pixel, recording.frame_count)
     return Footage.open(folder)
 
 
@@ -80,20 +78,15 @@ def _render_frames(
     clock: StageClock,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    from synth.camera.cover import cover
-    from synth.camera.picture import Film, take_picture
+    from synth.camera.photographer import Photographer
     from synth.truth import grains_and_motion, pair_truth
 
     with clock.stage("strewing"):
         grains, motion = grains_and_motion(recording, scene)
-    placement, count = motion.start(), recording.frame_count
-    covered, film = None, None
+    placement, previous, count = motion.start(), None, recording.frame_count
+    photographer = Photographer(scene, recording, grains, motion, clock)
     for frame in range(count):
-        with clock.stage("covering"):
-            covered = cover(scene, recording, grains, placement, reuse=covered)
-        film = film or Film.like(covered)
-        with clock.stage("lighting"):
-            picture = take_picture(scene, grains, placement, covered, film=film)
+        covered, picture = photographer.take(placement, previous)
         writer.put(partial(_timed_picture, clock, folder / frame_name(frame), picture))
         if frame + 1 < count:
             with clock.stage("moving"):
@@ -102,7 +95,7 @@ def _render_frames(
             with clock.stage("truth"):
                 pair = pair_truth(scene, recording, covered, around, placement, following)
             writer.put(partial(_timed_truth, clock, truth, pair))
-            placement = following
+            placement, previous = following, placement
         if progress is not None:
             progress(frame + 1, count)
 

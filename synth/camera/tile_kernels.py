@@ -7,7 +7,7 @@ grain to its last, so the order within a tile does not depend on the threads.
 
 import taichi as ti
 
-from synth.camera import projection
+from synth.camera import projection_kernels as projection
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)

@@ -6,8 +6,8 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 
 import taichi as ti
 
-from synth.camera import projection
-from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder, stagger
+from synth.camera import projection_kernels as projection
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
@@ -103,7 +103,7 @@ def _nearest_visible(
 
 @ti.func
 def _spin(turn):
-    """cos - 1 and sin; by their series, to 1e-14, where the angle is small, as it mostly is."""
+    """Cos - 1 and sin; by their series, to 1e-14, where the angle is small, as it mostly is."""
     square = turn * turn
     result = ti.Vector([-square * (0.5 - square / 24.0), turn * (1.0 - square / 6.0 * (1.0 - square / 20.0))])
     if square > 1e-4:
@@ -186,7 +186,7 @@ def rigid_motions(
     motion: _f32_table,
     spread: _f32,
 ):
-    """Displacement of every tiled grain, cos - 1 and sin of its turn, and 1 unless it is lost by the next frame.
+    """Displacement of every tiled grain, cos - 1 and sin of its turn, 1 unless it is lost by the next frame.
 
     `spread` is, for every tile, a bound on how far apart the motions of its grains' points are, px.
     """
@@ -228,16 +228,16 @@ def _sample_motion(
     if key == IMPLEMENT:
         at = projection.undistorted(
             view,
-            (a + stagger(b, sampling) + 0.5) / sampling - 0.5 - margin,
-            (b - stagger(a, sampling) + 0.5) / sampling - 0.5 - margin,
+            (a + 0.5) / sampling - 0.5 - margin,
+            (b + 0.5) / sampling - 0.5 - margin,
         )
         moved = _rigid(at[0] - body[0], at[1] - body[1], body[2], body[3], body[4], body[5])
         result = ti.Vector([ti.cast(moved[0], ti.f32), ti.cast(moved[1], ti.f32), ti.f32(1.0)])
     elif key != NOTHING:
         k = key & index_mask
         side, pixel = ti.static(tile * sampling), ti.f32(1.0 / sampling)
-        off_x = (ti.cast(remainder(a, side), ti.f32) + stagger(b, sampling) - place[k, 0]) * pixel
-        off_y = (ti.cast(remainder(b, side), ti.f32) - stagger(a, sampling) - place[k, 1]) * pixel
+        off_x = (ti.cast(remainder(a, side), ti.f32) - place[k, 0]) * pixel
+        off_y = (ti.cast(remainder(b, side), ti.f32) - place[k, 1]) * pixel
         moved = _rigid(off_x, off_y, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3])
         result = ti.Vector([moved[0], moved[1], motion[k, 4]])
     return result
@@ -262,8 +262,8 @@ def find_mixed(
 ):
     """Pixels with two samples whose motions are more than `limit` px apart.
 
-    `motion` and `spread` are those of `rigid_motions`, `outside` is the distance to the implement, px; `body` holds the implement's reference point and its
-    displacement, cos - 1 and sin of its turn.
+    `motion` and `spread` are those of `rigid_motions`, `outside` is the distance to the implement, px; `body`
+    holds the implement's reference point and its displacement, cos - 1 and sin of its turn.
     """
     for j in range(mixed.shape[0]):
         for i in range(mixed.shape[1]):
@@ -359,13 +359,11 @@ def find_jumps(u: _f32_table, v: _f32_table, implement: _u8_table, limit: ti.f32
     exactly one is the implement. Neighbours without truth do not count.
     """
     for j in range(u.shape[0]):
-        jumps_in_row(j, u, v, implement, limit, jump)
+        _jumps_in(j, u, v, implement, limit, jump)
 
 
 @ti.func
-def jumps_in_row(
-    j, u: ti.template(), v: ti.template(), implement: ti.template(), limit, jump: ti.template()
-):
+def _jumps_in(j, u: ti.template(), v: ti.template(), implement: ti.template(), limit, jump: ti.template()):
     for i in range(u.shape[1]):
         largest = ti.f32(-1.0)
         for side in ti.static(range(4)):
@@ -406,7 +404,14 @@ def nearest_in_column(jump: _f32_table, row: _i32_table):
 
 
 @ti.kernel
-def nearest_in_picture(row: _i32_table, jump: _f32_table, stack: _i32_table, start: _f64_table, distance: _f32_table, nearest_jump: _f32_table):
+def nearest_in_picture(
+    row: _i32_table,
+    jump: _f32_table,
+    stack: _i32_table,
+    start: _f64_table,
+    distance: _f32_table,
+    nearest_jump: _f32_table,
+):
     """Exact distance to the nearest marked pixel, and the jump there, by lower envelopes of parabolas.
 
     After Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012. `stack` and `start` are scratch.

@@ -36,14 +36,20 @@ class View:
     distortion: float = 0.0
 
     @classmethod
-    def of(cls, scene: "Scene", recording: "Recording", frame: int) -> "View":
-        """View of a scene's camera at a frame: one that follows the carriage travels and shakes with it."""
+    def of(cls, scene: "Scene", recording: "Recording", frame: int, *, picture: int | None = None) -> "View":
+        """View of a scene's camera at a frame: one that follows the carriage travels and shakes with it.
+
+        Parameters
+        ----------
+        picture : int, optional
+            The picture whose vibration it has; default: the frame's.
+        """
         from synth.camera.nuisance import vibration
 
         camera = scene.camera
         travels = camera.follows == "carriage"
         travel = float(recording.data["carriage_x"].values[frame]) if travels else 0.0
-        shake_x, shake_z = vibration(scene, frame) if travels else (0.0, 0.0)
+        shake_x, shake_z = vibration(scene, frame if picture is None else picture) if travels else (0.0, 0.0)
         return cls(
             camera.width,
             camera.height,
@@ -71,7 +77,7 @@ class View:
 
     @property
     def numbers(self) -> tuple[float, ...]:
-        """What `projection.py` needs: pixels_per_metre, axis_x, axis_z, middle, bend."""
+        """What `projection_kernels.py` needs: pixels_per_metre, axis_x, axis_z, middle, bend."""
         return (1 / self.metres_per_pixel, self.axis_x, self.axis_z, *self.middle, self.bend)
 
     def to_image(self, x: Any, z: Any) -> tuple[Any, Any]:

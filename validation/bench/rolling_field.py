@@ -1,4 +1,4 @@
-"""A recording without a simulation: the bed of a scene, moved by a formula that resembles soil under a wheel."""
+"""A recording without a simulation: a scene's bed, moved by a formula that resembles soil under a wheel."""
 
 from typing import TYPE_CHECKING
 
@@ -63,7 +63,7 @@ def _particles(scene: "SoilBinScene") -> tuple[np.ndarray, np.ndarray, np.ndarra
 def _moved(
     x: np.ndarray, z: np.ndarray, axle: tuple[float, float], wheel: float, rim_step: float
 ) -> tuple[np.ndarray, np.ndarray]:
-    """Places one frame later: turned clockwise about the axle by less and less with the depth below the rim."""
+    """Places one frame later: turned clockwise about the axle, the less the deeper below the rim."""
     off_x, off_z = x - axle[0], z - axle[1]
     away = np.hypot(off_x, off_z)
     turn = _DRAG * rim_step / wheel * np.exp(-np.maximum(away - wheel, 0) / (_DECAY * wheel))

@@ -140,17 +140,15 @@ def photograph(taichi):
     """Noise-free light of a frame, (H, W) float32."""
 
     def take(case, frame):
-        from synth.camera.cover import cover
         from synth.camera.nuisance import as_seen
-        from synth.camera.picture import light_on_sensor
+        from synth.camera.photographer import Photographer
         from synth.truth import grains_and_motion
 
         recording = as_seen(case.recording, case.scene)
         grains, motion = grains_and_motion(recording, case.scene)
-        placement = motion.start()
+        placement, previous = motion.start(), None
         for _ in range(frame):
-            placement = motion.advance(placement)
-        covered = cover(case.scene, recording, grains, placement)
-        return light_on_sensor(case.scene, grains, placement, covered)
+            placement, previous = motion.advance(placement), placement
+        return Photographer(case.scene, recording, grains, motion).light(placement, previous)[0]
 
     return take

@@ -57,7 +57,7 @@ def test_distortion_moves_the_corners_by_its_share_and_back(distortion):
 
 def test_the_view_in_kernels_is_the_view(taichi):
     ti = taichi
-    from synth.camera import projection
+    from synth.camera import projection_kernels as projection
 
     there = ti.types.ndarray(dtype=ti.f64, ndim=2)
 
