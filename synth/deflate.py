@@ -1,8 +1,8 @@
 """Chunks of netCDF-4 (HDF5) variables, compressed without loss and fast: its own shuffle and deflate filters.
 
 HDF5's own filter pipeline spends most of its time on searching repeated strings in the low bytes of
-floating-point numbers, where there are none. The same format is written here in parts: after the shuffle,
-which puts bytes of equal weight together, the low half of a number's bytes is stored as it is and the high half
+floating-point numbers, where there are none. The same format is written here in parts: after the shuffle, which
+puts bytes of equal weight together, the low half of a number's bytes is stored as it is, and the high half is
 run-length and Huffman coded. Any reader of HDF5 reads it.
 """
 
@@ -26,9 +26,9 @@ def deflated_chunk(values: "np.ndarray") -> bytes:
     octets = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1, size)
     raw = np.stack(cv2.split(octets)).reshape(-1) if size > 1 else octets.reshape(-1)
     split = len(raw) // 2 if size == 4 and not _repeats(values) else 0
-    check = zlib.adler32(memoryview(raw))
+    check = zlib.adler32(raw.tobytes())
     packer = zlib.compressobj(1, zlib.DEFLATED, -15, 9, zlib.Z_RLE)
-    packed = packer.compress(memoryview(raw[split:])) + packer.flush()
+    packed = packer.compress(raw[split:].tobytes()) + packer.flush()
     return _HEADER + _stored(raw[:split]) + packed + check.to_bytes(4, "big")
 
 

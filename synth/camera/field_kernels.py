@@ -40,6 +40,61 @@ def _cells_around(x, z, reach, grid, shape):
     return ti.Vector([low_i, high_i, low_j, high_j])
 
 
+@ti.func
+def _to_segment(px, pz, ax, az, bx, bz):
+    """From a point to the nearest point of a line from a to b."""
+    ex, ez = bx - ax, bz - az
+    length = ex * ex + ez * ez
+    along = 0.0
+    if length > 0.0:
+        along = ti.max(0.0, ti.min(1.0, ((px - ax) * ex + (pz - az) * ez) / length))
+    return ti.Vector([ax + along * ex - px, az + along * ez - pz])
+
+
+@ti.func
+def _outside(x, z, parts: ti.template()):
+    """A point, or the nearest point of the implement's outline where it lies inside, and its distance before.
+
+    `parts` are the implement's capsules in the world: both ends and the radius, m.
+    """
+    nearest, to_x, to_z, radius = ti.math.inf, 0.0, 0.0, 0.0
+    for c in range(parts.shape[0]):
+        to = _to_segment(x, z, parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3])
+        if to.norm() - parts[c, 4] < nearest:
+            nearest, to_x, to_z, radius = to.norm() - parts[c, 4], to[0], to[1], parts[c, 4]
+    out_x, out_z = x, z
+    if nearest < 0.0:
+        length = ti.max(nearest + radius, 1e-12)
+        out_x, out_z = x + to_x - to_x / length * radius, z + to_z - to_z / length * radius
+    return ti.Vector([out_x, out_z, nearest])
+
+
+@ti.func
+def _behind(px, pz, qx, qz, parts: ti.template()):
+    """Whether a line passes a capsule's axis nearer than half its radius: goes through the implement."""
+    hidden = False
+    for c in range(parts.shape[0]):
+        ax, az, bx, bz = parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3]
+        core = 0.5 * parts[c, 4]
+        side_a = (qx - px) * (az - pz) - (qz - pz) * (ax - px)
+        side_b = (qx - px) * (bz - pz) - (qz - pz) * (bx - px)
+        side_p = (bx - ax) * (pz - az) - (bz - az) * (px - ax)
+        side_q = (bx - ax) * (qz - az) - (bz - az) * (qx - ax)
+        crossing = side_a * side_b < 0.0 and side_p * side_q < 0.0
+        near = ti.min(
+            _to_segment(ax, az, px, pz, qx, qz).norm(),
+            _to_segment(bx, bz, px, pz, qx, qz).norm(),
+        )
+        hidden = hidden or crossing or near < core
+    return hidden
+
+
+@ti.func
+def _sees(eye, reach, x, z, parts: ti.template()):
+    """Whether the implement does not hide a point, within reach, from where `_outside` put the eye."""
+    return eye[2] >= reach or not _behind(eye[0], eye[1], x, z, parts)
+
+
 @ti.kernel
 def fit_neighbours(
     x: _f64,
@@ -50,24 +105,26 @@ def fit_neighbours(
     grid: grid_vector,
     shape: shape_vector,
     reach: ti.f64,
+    parts: _f64_table,
     floor: ti.f64,
     expected: _f64_table,
 ):
     """Displacement of every particle that its neighbours within `reach` lead to expect: columns 0 and 1.
 
-    It is that of an affine motion fitted to the neighbours alone; NaN where there are fewer than six, or they
-    spread less than `floor` (m2) in a direction.
+    It is that of an affine motion fitted to the neighbours alone, those on its side of the implement; NaN where
+    there are fewer than six, or they spread less than `floor` (m2) in a direction.
     """
     for p in range(x.shape[0]):
         weight_sum, count = 0.0, 0
         middle, shift = ti.Vector.zero(ti.f64, 2), ti.Vector.zero(ti.f64, 2)
         spread, cross = ti.Matrix.zero(ti.f64, 2, 2), ti.Matrix.zero(ti.f64, 2, 2)
+        eye = _outside(x[p], z[p], parts)
         box = _cells_around(x[p], z[p], reach, grid, shape)
         for r in range(box[2], box[3] + 1):
             for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
                 away = ti.Vector([x[q] - x[p], z[q] - z[p]])
                 square = away.norm_sqr() / (reach * reach)
-                if square < 1.0 and q != p:
+                if square < 1.0 and q != p and _sees(eye, reach, x[q], z[q], parts):
                     weight = (1.0 - square) ** 2
                     relative = ti.Vector([moved_x[q] - moved_x[p], moved_z[q] - moved_z[p]])
                     weight_sum += weight
@@ -140,6 +197,7 @@ def fit_gradients(
     grid: grid_vector,
     shape: shape_vector,
     reach: ti.f64,
+    parts: _f64_table,
     floor: ti.f64,
     gradient: _f64_block,
 ):
@@ -152,12 +210,14 @@ def fit_gradients(
         spread = ti.Matrix.zero(ti.f64, 2, 2)
         cross = ti.Matrix.zero(ti.f64, 2, 2)
         weight_sum = 1.0
+        eye = _outside(x[p], z[p], parts)
         box = _cells_around(x[p], z[p], reach, grid, shape)
         for r in range(box[2], box[3] + 1):
             for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
                 away = ti.Vector([x[q] - x[p], z[q] - z[p]])
                 square = away.norm_sqr() / (reach * reach)
-                if square < 1.0 and q != p and loose[q] == 0:
+                seen = square < 1.0 and q != p and loose[q] == 0
+                if seen and _sees(eye, reach, x[q], z[q], parts):
                     weight = (1.0 - square) ** 2
                     relative = ti.Vector([moved_x[q] - moved_x[p], moved_z[q] - moved_z[p]])
                     spread += weight * away.outer_product(away)
@@ -189,55 +249,6 @@ def _floored_inverse(matrix, floor):
 
 
 @ti.func
-def _to_segment(px, pz, ax, az, bx, bz):
-    """From a point to the nearest point of a line from a to b."""
-    ex, ez = bx - ax, bz - az
-    length = ex * ex + ez * ez
-    along = 0.0
-    if length > 0.0:
-        along = ti.max(0.0, ti.min(1.0, ((px - ax) * ex + (pz - az) * ez) / length))
-    return ti.Vector([ax + along * ex - px, az + along * ez - pz])
-
-
-@ti.func
-def _outside(x, z, parts: ti.template()):
-    """A point, or the nearest point of the implement's outline where it lies inside, and its distance before.
-
-    `parts` are the implement's capsules in the world: both ends and the radius, m.
-    """
-    nearest, to_x, to_z, radius = ti.math.inf, 0.0, 0.0, 0.0
-    for c in range(parts.shape[0]):
-        to = _to_segment(x, z, parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3])
-        if to.norm() - parts[c, 4] < nearest:
-            nearest, to_x, to_z, radius = to.norm() - parts[c, 4], to[0], to[1], parts[c, 4]
-    out_x, out_z = x, z
-    if nearest < 0.0:
-        length = ti.max(nearest + radius, 1e-12)
-        out_x, out_z = x + to_x - to_x / length * radius, z + to_z - to_z / length * radius
-    return ti.Vector([out_x, out_z, nearest])
-
-
-@ti.func
-def _behind(px, pz, qx, qz, parts: ti.template()):
-    """Whether a line passes a capsule's axis nearer than half its radius: goes through the implement."""
-    hidden = False
-    for c in range(parts.shape[0]):
-        ax, az, bx, bz = parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3]
-        core = 0.5 * parts[c, 4]
-        side_a = (qx - px) * (az - pz) - (qz - pz) * (ax - px)
-        side_b = (qx - px) * (bz - pz) - (qz - pz) * (bx - px)
-        side_p = (bx - ax) * (pz - az) - (bz - az) * (px - ax)
-        side_q = (bx - ax) * (qz - az) - (bz - az) * (qx - ax)
-        crossing = side_a * side_b < 0.0 and side_p * side_q < 0.0
-        near = ti.min(
-            _to_segment(ax, az, px, pz, qx, qz).norm(),
-            _to_segment(bx, bz, px, pz, qx, qz).norm(),
-        )
-        hidden = hidden or crossing or near < core
-    return hidden
-
-
-@ti.func
 def _blend(
     at_x,
     at_z,
@@ -258,7 +269,6 @@ def _blend(
     hide. The weights are Wendland's C2 function of the distance.
     """
     eye = _outside(at_x, at_z, parts)
-    beside = eye[2] < reach
     blended, stretch = ti.Vector.zero(ti.f64, 2), ti.Matrix.zero(ti.f64, 2, 2)
     weight_sum, closest, nearest = 0.0, reach * reach, -1
     box = _cells_around(at_x, at_z, reach, grid, shape)
@@ -266,7 +276,7 @@ def _blend(
         for p in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
             away = ti.Vector([at_x - x[p], at_z - z[p]])
             square = away.norm_sqr()
-            if square < reach * reach and not (beside and _behind(eye[0], eye[1], x[p], z[p], parts)):
+            if square < reach * reach and _sees(eye, reach, x[p], z[p], parts):
                 ratio = ti.sqrt(square) / reach
                 rest = (1.0 - ratio) * (1.0 - ratio)
                 weight = rest * rest * (1.0 + 4.0 * ratio)

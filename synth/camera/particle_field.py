@@ -157,7 +157,9 @@ class ParticleField:
         expected = np.empty((len(self._x), 2))
         loose = np.empty(len(self._x), np.uint8)
         reach, floor = _FIT_REACH * self._diameter, _FLOOR * self._diameter**2
-        field_kernels.fit_neighbours(*moving, self._cells.first, *self._where, reach, floor, expected)
+        field_kernels.fit_neighbours(
+            *moving, self._cells.first, *self._where, reach, self._parts, floor, expected
+        )
         field_kernels.find_loose(
             *moving,
             expected,
@@ -184,6 +186,7 @@ class ParticleField:
             self._cells.first,
             *self._where,
             _FIT_REACH * self._diameter,
+            self._parts,
             _FLOOR * self._diameter**2,
             self._gradient,
         )

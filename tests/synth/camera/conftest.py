@@ -26,7 +26,7 @@ def make_scene(*, name="rolling_wheel", **tables):
     scene = load_scene(name, quick=True).to_dict()
     height, width = SIZE
     scene["camera"].update(width=width, height=height, metres_per_pixel=PIXEL, follows="bin")
-    if name == "rolling_wheel":
+    if name != "plate_rotation":
         scene["camera"].update(centre_x=CENTRE[0], centre_z=CENTRE[1])
     scene["lens"].update(blur=0.7, vignetting=0.0)
     for table, keys in tables.items():

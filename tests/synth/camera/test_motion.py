@@ -113,3 +113,68 @@ def test_carried_grains_are_rigid_with_their_particle(cases, taichi):
     before = (grains.x - x[owner]) + 1j * (grains.z - z[owner])
     now = (after.x - next_x[owner]) + 1j * (after.z - next_z[owner])
     assert np.abs(now - before * np.exp(1j * turn)).max() < 1e-12
+
+
+def test_a_lone_particle_that_falls_in_a_pore_moves_no_soil(cases, fields, taichi):
+    x, z = cases.lattice()
+    lone = np.hypot(x - cases.centre[0], z - cases.centre[1]).argmin()
+    fallen = z.copy()
+    fallen[lone] -= 0.4e-3  # 2 px, of a particle of 10 px
+    field = ParticleField(cases.recording([x, x], [z, fallen]), 0, 1, cases.scene())
+    assert np.flatnonzero(field.loose).tolist() == [lone]
+    around = np.linspace(-3e-3, 3e-3, 41)
+    at_x, at_z = (axis.ravel() for axis in np.meshgrid(x[lone] + around, z[lone] + around))
+    moved = carried(field, at_x, at_z)
+    assert np.hypot(moved.x - at_x, moved.z - at_z).max() < 0.01 * cases.pixel
+
+
+@pytest.mark.parametrize("name", ["slip line", "shaken", "rotation", "edge"])
+def test_particles_of_a_flow_are_not_loose(cases, fields, taichi, name):
+    generator = np.random.default_rng(11)
+    field = {
+        "slip line": lambda x, z, k: (x + k * 1e-3 * (z > cases.centre[1]), z),
+        "shaken": lambda x, z, k: (x + k * generator.normal(0, 2e-4, x.shape), z),
+        "rotation": fields["rotation"](0.1),
+        "edge": lambda x, z, k: (x, z - k * 1e-3 * (x > cases.centre[0] + 0.028)),
+    }[name]
+    case = cases.case(field)
+    loose = ParticleField(case.recording, 0, 1, case.scene).loose
+    assert loose.mean() < 0.01
+
+
+def test_soil_on_both_sides_of_a_thin_blade_keeps_its_own_motion(cases, taichi):
+    """Soil above the bucket's blade is pushed, soil below it rests: neither takes part in the other's motion."""
+    scene = cases.scene(name="bucket")
+    half, angle = scene.implement.thickness / 2, np.deg2rad(scene.implement.cut_angle)
+    edge = cases.centre[0] + 0.02, cases.centre[1] - 0.012
+    x, z = cases.lattice()
+    above = lambda px, pz: (pz - edge[1] - half) + np.tan(angle) * (px - edge[0])  # noqa: E731
+    off = np.abs(above(x, z)) * np.cos(angle) > half + 1e-3  # particles of 1 mm radius touch the blade
+    x, z = x[off], z[off]
+    push = 1e-3 * (above(x, z) > 0)
+    recording = cases.recording([x, x + push], [z, z], implement=edge)
+    along = np.linspace(0.012, 0.03, 200)[:, None]
+    beside = np.array([-half - 1e-3, -half - 0.1e-3, half + 0.1e-3, half + 1e-3])
+    at_x = (edge[0] - along * np.cos(angle) + beside * np.sin(angle)).ravel()
+    at_z = (edge[1] + half + along * np.sin(angle) + beside * np.cos(angle)).ravel()
+    moved = carried(ParticleField(recording, 0, 1, scene), at_x, at_z)
+    expected = 1e-3 * (above(at_x, at_z) > 0)
+    assert (moved.particle >= 0).all()
+    assert np.abs(moved.x - at_x - expected).max() < 1e-9
+    assert np.abs(moved.z - at_z).max() < 1e-9
+
+
+def test_the_face_turns_with_its_grain_and_its_albedo_stays(cases, taichi):
+    from synth.camera import light_kernels
+
+    grain = np.array([0, 0], np.int32)
+    place = np.ones((2, 3), np.float32)
+    slope_x, slope_y, brightness = (np.array([value], np.float32) for value in (0.3, 0.0, 0.5))
+    faces = []
+    for turn in (0.0, np.pi / 2):
+        face = np.empty((2, 4), np.float32)
+        light_kernels.turn_faces(grain, place, np.array([turn]), slope_x, slope_y, brightness, 1.4, 0.8, face)
+        faces.append(face[0])
+    assert faces[0] == pytest.approx([0.7, 0.3, 0.0, 0.8])
+    # Counter-clockwise takes what leans to the right upwards, which is against y of the picture.
+    assert faces[1] == pytest.approx([0.7, 0.0, -0.3, 0.8], abs=1e-6)
