@@ -111,8 +111,8 @@ def fit_neighbours(
 ):
     """Displacement of every particle that its neighbours within `reach` lead to expect: columns 0 and 1.
 
-    It is that of an affine motion fitted to the neighbours alone, those on its side of the implement; NaN where
-    there are fewer than six, or they spread less than `floor` (m2) in a direction.
+    It is that of an affine motion fitted to the neighbours alone, those on its side of the implement.
+    NaN where there are fewer than six, or they spread less than `floor` (m2) in a direction.
     """
     for p in range(x.shape[0]):
         weight_sum, count = 0.0, 0

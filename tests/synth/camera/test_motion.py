@@ -143,7 +143,7 @@ def test_particles_of_a_flow_are_not_loose(cases, fields, taichi, name):
 
 
 def test_soil_on_both_sides_of_a_thin_blade_keeps_its_own_motion(cases, taichi):
-    """Soil above the bucket's blade is pushed, soil below it rests: neither takes part in the other's motion."""
+    """Soil above the bucket's blade is pushed, soil below it rests."""
     scene = cases.scene(name="bucket")
     half, angle = scene.implement.thickness / 2, np.deg2rad(scene.implement.cut_angle)
     edge = cases.centre[0] + 0.02, cases.centre[1] - 0.012

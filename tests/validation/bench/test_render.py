@@ -13,17 +13,12 @@ def test_the_recording_is_soil_around_a_wheel_that_sinks_and_turns_clockwise():
     away = np.hypot(data["position_x"] - data["implement_x"], data["position_z"] - data["implement_z"])
     assert float((away[0] - data["radius"]).min()) > scene.implement.radius
     assert float(data["implement_z"][0]) - scene.implement.radius < scene.bed.depth
-    below = int(np.abs(data["position_x"][0] - data["implement_x"][0]).argmin())
-    moved = np.hypot(
-        *(data[f"position_{axis}"].values[1] - data[f"position_{axis}"].values[0] for axis in "xz")
-    )
+    moved = np.hypot(*(np.diff(data[f"position_{axis}"].values[:2], axis=0)[0] for axis in "xz"))
     assert moved.max() > 0.4 * scene.drive.rim_speed / scene.timing.frame_rate
-    assert moved[below] < moved.max()
-    near = int(away[0].argmin())
+    assert moved[int(away[0].values.argmax())] < 0.01 * moved.max()
+    under = int((np.abs(data["position_x"][0] - data["implement_x"][0]) + away[0]).values.argmin())
     assert data["implement_angle"][1] < 0
-    assert (
-        float(data["position_x"][1, near] - data["position_x"][0, near]) < 0
-    )  # dragged backwards below the axle
+    assert float(data["position_x"][1, under] - data["position_x"][0, under]) < 0  # dragged backwards
 
 
 def test_rows_tell_rate_grains_stages_and_memory(monkeypatch):
