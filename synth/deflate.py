@@ -1,9 +1,9 @@
 """Chunks of netCDF-4 (HDF5) variables, compressed without loss and fast: its own shuffle and deflate filters.
 
 HDF5's own filter pipeline spends most of its time on searching repeated strings in the low bytes of
-floating-point numbers, where there are none. The same format is written here in parts: after the shuffle,
-which puts bytes of equal weight together, the low half of a number's bytes is stored as it is, and the high half is
-run-length and Huffman coded. Any reader of HDF5 reads it.
+floating-point numbers, where there are none. The same format is written here in parts. After the shuffle,
+which puts bytes of equal weight together, the low half of a number's bytes is stored as it is, and the high
+half is run-length and Huffman coded. Any reader of HDF5 reads it.
 """
 
 import zlib

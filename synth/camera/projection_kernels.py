@@ -16,10 +16,10 @@ def to_image(view, x, z):
 
 
 @ti.func
-def magnification(view, column, row):
-    """Size of a small disc at image coordinates / its size on the axis: the root of the change of area."""
-    off_x, off_y = column - view[3], row - view[4]
-    square = view[5] * (off_x * off_x + off_y * off_y)  # at the distorted place: exact to first order
+def magnification(view, x, z):
+    """Size of a small disc at a world position / its size on the axis: the root of the change of area."""
+    off_x, off_y = (x - view[1]) * view[0], (view[2] - z) * view[0]
+    square = view[5] * (off_x * off_x + off_y * off_y)
     return ti.sqrt(ti.max((1.0 + square) * (1.0 + 3.0 * square), 0.1))
 
 

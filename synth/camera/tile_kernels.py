@@ -28,7 +28,7 @@ def _touched(view, x, z, diameter, sampling, margin, tile, columns, rows):
     at = projection.to_image(view, x, z)
     radius = 0.5 * diameter * view[0]
     if view[5] != 0.0:
-        radius *= projection.magnification(view, at[0], at[1])
+        radius *= projection.magnification(view, x, z)
     column, row = (at[0] + margin + 0.5) * sampling - 0.5, (at[1] + margin + 0.5) * sampling - 0.5
     radius *= sampling
     per_side = 1.0 / (tile * sampling)

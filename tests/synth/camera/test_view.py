@@ -40,7 +40,7 @@ def test_a_travelling_camera_adds_the_carriage_and_a_fixed_one_does_not(cases):
     assert View.of(travelling, recording, 1).axis_x == pytest.approx(cases.centre[0] + 0.5)
 
 
-@pytest.mark.parametrize("distortion", [-0.1, 0.05])
+@pytest.mark.parametrize("distortion", [-0.12, 0.05, 0.2])
 def test_distortion_moves_the_corners_by_its_share_and_back(distortion):
     view = View(300, 200, 1e-4, 0.2, 0.1, distortion)
     half = np.hypot(300, 200) / 2
