@@ -73,7 +73,7 @@ class Nuisance(Table):
     exposure: float = Field(
         default=0.0, ge=0, le=1, description="time the shutter is open / time between two frames"
     )
-    # A stronger barrel would fold the plane within the picture: r (1 - d r^2) is largest at r = 1 / root(3 d).
+    # A stronger barrel would fold the plane within the picture: r (1 - d r^2) falls beyond r = 1 / root(3 d).
     distortion: float = Field(
         default=0.0, ge=-0.12, le=0.2, description="of the lens: shift of the corners / half the diagonal"
     )
