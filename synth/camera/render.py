@@ -6,10 +6,12 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from synth.camera.stages import StageClock
-from synth.camera.writing import BackgroundWriter, write_picture
-from synth.footage import Footage, frame_name, write_sequence
+from synth.camera.writing import BackgroundWriter
+from synth.footage import Footage, frame_name, write_picture, write_sequence
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from synth.recording import Recording
     from synth.scene import Scene
     from synth.truth import PairTruth

@@ -3,12 +3,8 @@
 import queue
 import threading
 from collections.abc import Callable
-from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Self
-
-if TYPE_CHECKING:
-    import numpy as np
+from typing import Self
 
 _WAITING = 2
 """Tasks that may wait: bounds the memory, and is enough to keep the thread busy."""
@@ -53,18 +49,3 @@ class BackgroundWriter:
         self._thread.join()
         if kind is None:
             self._raise()
-
-
-def write_picture(path: Path, picture: "np.ndarray") -> None:
-    """Write a picture as PNG, (H, W) uint8 or uint16.
-
-    Raises
-    ------
-    OSError
-        It could not be written.
-    """
-    import cv2
-
-    # A fixed, low level: grains hardly compress.
-    if not cv2.imwrite(str(path), picture, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-        raise OSError(f"{path}: the picture could not be written")

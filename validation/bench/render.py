@@ -75,7 +75,7 @@ def _scene(sampling: int) -> "SoilBinScene":
 
 def _rendered(recording: "Recording", scene: "SoilBinScene") -> "tuple[float, StageClock]":
     """Frames a second after the first one, which waits for the texture to be strewn; and the stages."""
-    from synth import render
+    from synth.camera.render import render
     from synth.camera.stages import StageClock
 
     clock, times = StageClock(), []

@@ -115,7 +115,7 @@ def _view(scene: SoilBinScene, recording: "Recording") -> Window:
     from synth.camera.view import View
 
     frame = recording.frame_count // 2
-    left, right, bottom, top = View.of(scene.camera, recording, frame).bounds()
+    left, right, bottom, top = View.of(scene, recording, frame).bounds()
     x, surface = float(recording.data["implement_x"].values[frame]), recording.data.attrs["surface_height"]
     # No deeper than the bed: a doubled one has soil there, too.
     return Window(left - x, right - x, max(bottom, 0.0) - surface, top - surface)

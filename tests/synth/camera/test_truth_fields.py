@@ -36,13 +36,15 @@ def band(cases):
 def seen_grains(recording, scene):
     """Rows and columns of the pixels that show a grain, and that grain's centre in the picture."""
     from synth.camera.cover import cover
+    from synth.camera.cover_kernels import NOTHING
     from synth.truth import grains_and_motion
 
     grains, motion = grains_and_motion(recording, scene)
-    covered = cover(scene, recording, grains, motion.start())
-    rows, columns = np.nonzero(covered.centres < grains.count)
-    grain = grains.by_depth[covered.centres[rows, columns]]
-    return rows, columns, covered.grains.x[grain], covered.grains.y[grain]
+    placement = motion.start()
+    covered = cover(scene, recording, grains, placement)
+    seen = (covered.centres >= 0) & (covered.centres < NOTHING)
+    grain = covered.tiled.grain[covered.centres[seen] & covered.tiled.index_mask]
+    return *np.nonzero(seen), *covered.view.to_image(placement.x[grain], placement.z[grain])
 
 
 def test_a_circular_shear_band_moves_centres_by_the_formula_and_grains_rigidly(cases, band, taichi):
@@ -148,8 +150,8 @@ def seen_by(case, grains, motion):
     placement = motion.advance(start)
     covered = cover(case.scene, case.recording, grains, placement)
     around = motion.surroundings(placement, 0)
-    truth = pair_truth(case.scene, case.recording, grains, covered, around, placement, start)
-    return light_on_sensor(case.scene, grains, covered), truth
+    truth = pair_truth(case.scene, case.recording, covered, around, placement, start)
+    return light_on_sensor(case.scene, grains, placement, covered), truth
 
 
 @pytest.mark.parametrize("field", ["rotation", "shear"])
