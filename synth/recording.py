@@ -77,6 +77,17 @@ CONTACT_VARIABLES = {
         "per metre of width",
     ),
 }
+# Of spheres in a slab; the camera looks along y, through the glass at y = 0.
+SLAB_VARIABLES = {
+    "position_y": (("frame", "particle"), "m", "distance of the particle's centre from the glass"),
+    "velocity_y": (
+        ("frame", "particle"),
+        "m s-1",
+        "velocity of the particle away from the glass, in laboratory time",
+    ),
+}
+AT_GLASS = 0.25
+"""Gap to the glass / mean particle diameter up to which, on average, the camera sees a particle."""
 FORCE_COLUMNS = {
     "time": "sample_time",
     "travel": "travel",
@@ -99,8 +110,9 @@ class Recording:
     ----------
     data : xarray.Dataset
         The variables of `VARIABLES`, over `frame`, `particle` and `sample`; and, or not, those of
-        `CONTACT_VARIABLES`, over `frame` and `contact`. Attributes: `schema_version`,
-        `simulation_hash`, `surface_height` (m), `solid_fraction`, and what the simulator reports of its own
+        `CONTACT_VARIABLES`, over `frame` and `contact`, and of `SLAB_VARIABLES`. Attributes:
+        `schema_version`, `simulation_hash`, `surface_height` (m), `solid_fraction`, and what the simulator
+        reports of its own
         soundness (`synth.dem.soundness`): `inertial_number_median`, `inertial_number_p95`, `mean_pressure`
         (Pa, under the implement), `stiffness_ratio` (contact stiffness / mean pressure), `overlap_mean`,
         `overlap_p99`, `overlap_max` (/ mean grain diameter), `steps_per_contact`. One that had to stop has
@@ -115,6 +127,7 @@ class Recording:
         import xarray as xr
 
         known = VARIABLES | (CONTACT_VARIABLES if "contact_count" in arrays else {})
+        known |= SLAB_VARIABLES if "position_y" in arrays else {}
         if set(arrays) != set(known):
             raise ValueError(f"variables missing or unknown: {sorted(set(arrays) ^ set(known))}")
         variables: dict[str, Any] = {
@@ -172,6 +185,18 @@ class Recording:
         names = [name for name, (dims, _, _) in CONTACT_VARIABLES.items() if dims == ("contact",)]
         return self.data[names].isel(contact=slice(start, start + int(count[frame])))
 
+    def at_glass(self) -> "Recording":
+        """What a camera before the glass sees: of a slab, the particles that are at the glass on average.
+
+        Others come into sight and leave it as they move across the slab; a picture's truth needs particles
+        that are there throughout. Discs are all at the glass.
+        """
+        if "position_y" not in self.data:
+            return self
+        gap = self.data["position_y"].mean("frame").values - self.data["radius"].values
+        near = gap <= AT_GLASS * 2 * float(self.data["radius"].mean())
+        return Recording(self.data.isel(particle=near))
+
     @property
     def frame_count(self) -> int:
         """Number of recorded frames."""
@@ -183,7 +208,7 @@ class Recording:
         import hashlib
 
         digest = hashlib.sha256()
-        for name in VARIABLES | CONTACT_VARIABLES:
+        for name in VARIABLES | CONTACT_VARIABLES | SLAB_VARIABLES:
             if name in self.data:
                 digest.update(self.data[name].values.tobytes())
         return digest.hexdigest()

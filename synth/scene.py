@@ -50,14 +50,45 @@ class Bed(Table):
         ge=0, le=2, description="grain friction while settling; sets the density"
     )
     gravity: float = Field(default=GRAVITY, gt=0, le=100, description="m/s2, downwards")
+    thickness: float = Field(
+        default=0.0,
+        ge=0,
+        le=1,
+        description="m, of a slab of spheres, from the glass to a mirror; 0: discs in plane strain",
+    )
+    glass_friction: float = Field(default=0.3, ge=0, le=2, description="of spheres on the glass")
 
 
 class Contact(Table):
     """Stiffness of contacts and how finely they are resolved in time."""
 
-    normal_stiffness: float = Field(gt=0, description="N/m per metre of width")
-    tangential_stiffness_ratio: float = Field(gt=0, le=1, description="tangential / normal stiffness")
+    law: Literal["linear", "hertz_mindlin"] = Field(
+        default="linear", description="the latter for spheres only"
+    )
+    normal_stiffness: float = Field(
+        default=0.0, ge=0, description="linear: N/m per metre of width; of spheres per metre of mean diameter"
+    )
+    tangential_stiffness_ratio: float = Field(
+        default=0.5, gt=0, le=1, description="linear: tangential / normal stiffness"
+    )
+    young_modulus: float = Field(default=0.0, ge=0, description="hertz_mindlin: of the grains, Pa")
+    poisson_ratio: float = Field(default=0.25, ge=0, lt=0.5, description="hertz_mindlin: of the grains")
+    impact_speed: float = Field(
+        default=1.0, gt=0, le=100, description="hertz_mindlin: greatest relative speed of collisions, m/s"
+    )
+    cohesion: float = Field(
+        default=0.0,
+        ge=0,
+        description="force that parts two grains: N per metre of width; of spheres / reduced radius, N/m",
+    )
     steps_per_contact: int = Field(ge=15, le=200, description="time steps in the shortest binary collision")
+
+    @model_validator(mode="after")
+    def _has_its_stiffness(self) -> Self:
+        needed = {"linear": "normal_stiffness", "hertz_mindlin": "young_modulus"}[self.law]
+        if getattr(self, needed) <= 0:
+            raise ValueError(f"law = {self.law!r}: {needed} > 0 is needed")
+        return self
 
 
 class Timing(Table):
@@ -141,7 +172,28 @@ class SoilBinScene(_Scene):
                 f"bed.grain_diameter = {self.bed.grain_diameter} m is too coarse: "
                 f"at most a fifth of bed.depth is allowed"
             )
+        self._check_slab()
         return self
+
+    def _check_slab(self) -> None:
+        bed = self.bed
+        if bed.thickness == 0:
+            if self.contact.law == "hertz_mindlin":
+                raise ValueError(
+                    "contact.law = 'hertz_mindlin': for spheres only, bed.thickness > 0 is needed"
+                )
+        elif bed.thickness < 3 * bed.grain_diameter:
+            raise ValueError(
+                f"bed.thickness = {bed.thickness} m: at least three of bed.grain_diameter are needed, "
+                "or 0 for discs"
+            )
+        elif self.timing.record_contacts:
+            raise ValueError("timing.record_contacts = true: allowed for discs only (bed.thickness = 0)")
+
+    @property
+    def simulated_width(self) -> float:
+        """Width of what is simulated, m: a slab's thickness; 1 for discs, all of which is per metre."""
+        return self.bed.thickness or 1.0
 
     @property
     def program(self) -> Program:

@@ -32,13 +32,14 @@ def flicker(scene: "Scene", frame: int) -> float:
 
 
 def as_seen(recording: "Recording", scene: "Scene") -> "Recording":
-    """The states at the instants the camera takes its pictures: linear between the recorded ones.
+    """The states at the instants the camera takes its pictures, of what is at the glass.
 
-    The first and the last picture can be late and early only: nothing is recorded beyond them.
+    They are linear between the recorded ones. The first and the last picture can be late and early only:
+    nothing is recorded beyond them.
     """
     import numpy as np
 
-    severity = scene.nuisance.jitter
+    recording, severity = recording.at_glass(), scene.nuisance.jitter
     if severity == 0:
         return recording
     last = recording.frame_count - 1

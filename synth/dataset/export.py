@@ -64,10 +64,12 @@ def _name(subject: str, frame: int) -> str:
 
 def _write_grains(path: Path, recording: Recording, frame: int) -> None:
     state = recording.data.isel(frame=frame)
-    points = _in_world(state["position_x"].values, state["position_z"].values)
+    y = state["position_y"].values if "position_y" in state else 0.0
+    speed_y = state["velocity_y"].values if "velocity_y" in state else 0.0
+    points = _in_world(state["position_x"].values, state["position_z"].values, y)
     data = {
         "radius": state["radius"].values,
-        "velocity": _in_world(state["velocity_x"].values, state["velocity_z"].values),
+        "velocity": _in_world(state["velocity_x"].values, state["velocity_z"].values, speed_y),
         "angle": state["angle"].values,
     }
     write_polydata(path, points, point_data=data)
@@ -111,5 +113,5 @@ def capsule_outlines(shape: Shape) -> np.ndarray:
     return centre + shape.radius[:, None, None] * np.stack([np.cos(angle), np.sin(angle)], axis=2)
 
 
-def _in_world(x: np.ndarray, z: np.ndarray) -> np.ndarray:
-    return np.stack([x, np.zeros_like(x), z], axis=1)
+def _in_world(x: np.ndarray, z: np.ndarray, y: "np.ndarray | float" = 0.0) -> np.ndarray:
+    return np.stack([x, np.broadcast_to(y, x.shape), z], axis=1)

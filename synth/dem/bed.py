@@ -10,8 +10,16 @@ from pathlib import Path
 
 import numpy as np
 
-from synth.dem.contact_law import ContactLaw, damping_ratio_of, largest_time_step
-from synth.dem.grains import Grains
+from synth.dem.contact_law import (
+    ContactLaw,
+    HertzMindlinLaw,
+    Law,
+    Material,
+    damping_ratio_of,
+    largest_time_step,
+    reduced_moduli,
+)
+from synth.dem.grains import Grains, grains_of
 from synth.dem.solver import Solver
 from synth.devices import cache_folder
 from synth.scene import SoilBinScene
@@ -49,17 +57,27 @@ class Bed:
     solid_fraction: float
 
 
-def contact_law(scene: SoilBinScene) -> ContactLaw:
-    """The scene's contact law."""
-    stiffness, soil = scene.contact.normal_stiffness, scene.soil.contact
+def contact_law(scene: SoilBinScene) -> Law:
+    """The scene's contact law; after Hertz, walls and implement are rigid."""
+    contact, soil = scene.contact, scene.soil.contact
+    others = {
+        "friction": soil.friction,
+        "wall_friction": soil.wall_friction,
+        "implement_friction": soil.implement_friction,
+        "rolling_friction": soil.rolling_friction,
+        "cohesion": contact.cohesion,
+        "glass_friction": scene.bed.glass_friction,
+    }
+    if contact.law == "hertz_mindlin":
+        grain = Material(contact.young_modulus, contact.poisson_ratio)
+        moduli = (*reduced_moduli(grain, grain), *reduced_moduli(grain))
+        return HertzMindlinLaw(*moduli, soil.restitution, contact.impact_speed, **others)
+    per = scene.bed.grain_diameter if scene.bed.thickness else 1.0
     return ContactLaw(
-        normal_stiffness=stiffness,
-        tangential_stiffness=stiffness * scene.contact.tangential_stiffness_ratio,
+        normal_stiffness=contact.normal_stiffness * per,
+        tangential_stiffness=contact.normal_stiffness * per * contact.tangential_stiffness_ratio,
         damping_ratio=damping_ratio_of(soil.restitution),
-        friction=soil.friction,
-        wall_friction=soil.wall_friction,
-        implement_friction=soil.implement_friction,
-        rolling_friction=soil.rolling_friction,
+        **others,
     )
 
 
@@ -82,7 +100,12 @@ def prepare_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
     Settling happens at a lower stiffness, which the weight of the bed alone allows and which is quicker; the
     last stage brings the grains to rest at the scene's own.
     """
+    if scene.bed.thickness:
+        from synth.dem.slab import prepare_slab
+
+        return Bed(*prepare_slab(scene, contact_law(scene), progress=progress))
     law = contact_law(scene)
+    assert isinstance(law, ContactLaw)
     softer = _softer(law, _SETTLING_STIFFNESS * scene.soil.bulk_density * scene.bed.gravity * scene.bed.depth)
     softer = replace(softer, friction=scene.bed.settling_friction)
     density = scene.soil.bulk_density / _FIRST_SOLID_FRACTION
@@ -205,5 +228,6 @@ def _write(bed: Bed, path: Path) -> None:
 
 def _read(path: Path) -> Bed:
     with np.load(path, allow_pickle=False) as stored:
-        grains = Grains.at_rest(stored["position"], stored["radius"], float(stored["density"]))
+        position = stored["position"]
+        grains = grains_of(position).at_rest(position, stored["radius"], float(stored["density"]))
         return Bed(grains, float(stored["solid_fraction"]))

@@ -85,7 +85,9 @@ def check(solver: "Solver", scene: SoilBinScene, start: "Tool") -> float:
 
 def check_numbers(grains: "Grains") -> None:
     """Stop where a grain's motion is not a number."""
-    finite = np.isfinite(np.concatenate([grains.position, grains.velocity, [grains.spin]])).all(axis=0)
+    finite = np.isfinite(np.concatenate([grains.position, grains.velocity, np.atleast_2d(grains.spin)])).all(
+        axis=0
+    )
     if not finite.all():
         lost = int(np.argmin(finite))
         raise SimulationError(
@@ -96,13 +98,16 @@ def check_numbers(grains: "Grains") -> None:
 
 def check_bin(grains: "Grains", scene: SoilBinScene, start: "Tool") -> None:
     """Stop where a grain's centre is outside the bin."""
-    x, z = grains.position
+    x, z = grains.in_plane
     ceiling = scene.bed.depth + max(scene.bed.depth, 2 * start.shape.reach)
-    stiffer = f"take contact.normal_stiffness higher (now {scene.contact.normal_stiffness:g} N/m per m)"
+    stiffer = f"take {_stiffness(scene)}"
+    across = grains.position[1] if scene.bed.thickness else np.zeros(grains.count)
     for outside, how, advice in (
         (z < 0, "has gone through the floor", stiffer),
         (x < 0, "has gone through the left end wall", stiffer),
         (x > scene.bed.width, "has gone through the right end wall", stiffer),
+        (across < 0, "has gone through the glass", stiffer),
+        (across > scene.bed.thickness, "has gone through the slab's far face", stiffer),
         (z > ceiling, "was thrown out of the bin", "take timing.speed_up or the drive's speed lower"),
     ):
         if outside.any():
@@ -117,8 +122,7 @@ def check_overlaps(grains: "Grains", pairs: np.ndarray, overlap: np.ndarray, sce
     i, j = pairs[:, worst]
     raise SimulationError(
         f"{_grain(grains, i)} and grain {j} overlap by {100 * overlap[worst]:.0f} % of a diameter",
-        f"take contact.normal_stiffness higher (now {scene.contact.normal_stiffness:g} N/m per m), "
-        "or timing.speed_up or the load lower",
+        f"take {_stiffness(scene)}, or timing.speed_up or the load lower",
     )
 
 
@@ -149,17 +153,24 @@ def check_inside(grains: "Grains", tool: "Tool", scene: SoilBinScene) -> None:
     """Stop where a grain's centre is inside a solid implement, whose edges would then draw it further in."""
     if not tool.shape.closed.any():
         return
-    offset = grains.position.T - (tool.x, tool.z)
+    offset = grains.in_plane.T - (tool.x, tool.z)
     near = np.flatnonzero(np.hypot(*offset.T) < tool.shape.reach)
     inside = near[tool.shape.turned(tool.angle).encloses(offset[near])]
     if inside.size:
         raise SimulationError(
             f"{_grain(grains, int(inside[0]))} is inside the implement",
-            f"take contact.normal_stiffness higher (now {scene.contact.normal_stiffness:g} N/m per m), "
-            "or timing.speed_up lower",
+            f"take {_stiffness(scene)}, or timing.speed_up lower",
         )
 
 
+def _stiffness(scene: SoilBinScene) -> str:
+    """What to take higher for stiffer contacts."""
+    contact = scene.contact
+    if contact.law == "hertz_mindlin":
+        return f"contact.young_modulus higher (now {contact.young_modulus:g} Pa)"
+    return f"contact.normal_stiffness higher (now {contact.normal_stiffness:g} N/m per m)"
+
+
 def _grain(grains: "Grains", index: int) -> str:
-    x, z = grains.position[:, index]
+    x, z = grains.in_plane[:, index]
     return f"grain {index} at x = {x:.4g} m, z = {z:.4g} m"

@@ -11,20 +11,22 @@ import taichi as ti
 # components of `motion`
 X, Z, VX, VZ, ANGLE, SPIN = range(6)
 # components of `body`
-RADIUS, MASS, INERTIA = range(3)
+RADIUS, MASS, INERTIA, WALL_DAMPING = range(4)
 # components of `pair_load`: force on the first grain, moments on both
 PAIR_FX, PAIR_FZ, PAIR_M1, PAIR_M2 = range(4)
 # components of `pair_memory` and `tool_memory`, and of each wall in `wall_memory`
 SHEAR, ROLL = range(2)
 WALL_COUNT = 3
 # entries of `constants`, which do not change during a run
-KN, KT, DAMPING_N, DAMPING_T, FRICTION, WALL_FRICTION, TOOL_FRICTION, ROLLING_FRICTION, ROLLING_STIFFNESS = (
-    range(9)
+KN, KT, ROOT_KN, ROOT_KT, FRICTION, WALL_FRICTION, TOOL_FRICTION, ROLLING_FRICTION, ROLLING_STIFFNESS = range(
+    9
 )
-TIME_STEP, GRAVITY_X, GRAVITY_Z, WIDTH, DRAG = range(9, 14)
-CONSTANT_COUNT = 14
-# components of `pair_body`: what a pair's two grains make together
-ROOT_MASS, REACH = range(2)
+TIME_STEP, GRAVITY_X, GRAVITY_Z, WIDTH, DRAG, COHESION = range(9, 15)
+CONSTANT_COUNT = 15
+# components of `pair_body`: what a pair's two grains make together (the first is, for walls, in `body`)
+DAMPING, REACH = range(2)
+# what a kernel is compiled for
+COHESIVE = 1
 # entries of `tool`: its pose and motion, what drives it, and the impulse the grains gave it since last asked
 TOOL_X, TOOL_Z, TOOL_ANGLE, TOOL_COS, TOOL_SIN, TOOL_VX, TOOL_VZ, TOOL_SPIN = range(8)
 TOOL_MASS, TOOL_LOAD, TOOL_HEAVES, TOOL_PX, TOOL_PZ, TOOL_PM = range(8, 14)
@@ -55,21 +57,21 @@ def limited(value, limit):
 
 
 @ti.func
-def contact(overlap, approach, sliding, rolling, root_mass, reach, friction, shear, roll, constants: Ref):
+def contact(overlap, approach, sliding, rolling, damping, reach, friction, shear, roll, constants: Ref):
     """Force law of one contact.
 
     `approach`, `sliding` and `rolling` are the relative velocities along the normal (towards each other
-    positive), along the tangent and in rotation; `root_mass` is the root of the reduced mass, `reach` the
-    reduced radius; `shear` and `roll` are the spring force and the rolling moment of the step before. Returns
-    normal force, tangential force, rolling moment, and the spring force to remember (the moment is remembered
-    as it is).
+    positive), along the tangent and in rotation; `damping` is the dashpot's constant / root of the stiffness
+    (`contact_law.contact_damping`), `reach` the reduced radius; `shear` and `roll` are the spring force and
+    the rolling moment of the step before. Returns normal force, tangential force, rolling moment, and the
+    spring force to remember (the moment is remembered as it is).
     """
     dt = constants[TIME_STEP]
-    normal = ti.max(0.0, constants[KN] * overlap + constants[DAMPING_N] * root_mass * approach)
+    normal = ti.max(0.0, constants[KN] * overlap + constants[ROOT_KN] * damping * approach)
     # Only a spring within the Coulomb limit is remembered: sliding does not wind it up.
     limit = friction * normal
     spring = shear - constants[KT] * sliding * dt
-    tangential = limited(spring - constants[DAMPING_T] * root_mass * sliding, limit)
+    tangential = limited(spring - constants[ROOT_KT] * damping * sliding, limit)
     stiffness = constants[ROLLING_STIFFNESS] * reach * reach
     moment = limited(roll - stiffness * rolling * dt, constants[ROLLING_FRICTION] * reach * normal)
     return normal, tangential, moment, limited(spring, limit)
@@ -77,7 +79,15 @@ def contact(overlap, approach, sliding, rolling, root_mass, reach, friction, she
 
 @ti.func
 def pair_forces(
-    p, constants: Ref, pairs: Ref, pair_body: Ref, motion: Ref, body: Ref, pair_memory: Ref, pair_load: Ref
+    features: ti.template(),
+    p,
+    constants: Ref,
+    pairs: Ref,
+    pair_body: Ref,
+    motion: Ref,
+    body: Ref,
+    pair_memory: Ref,
+    pair_load: Ref,
 ):
     """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
     i, j = pairs[p][0], pairs[p][1]
@@ -98,13 +108,15 @@ def pair_forces(
             vx * nx + vz * nz,
             vz * nx - vx * nz + wi * arm_i + wj * arm_j,
             wi - wj,
-            pair_body[p][ROOT_MASS],
+            pair_body[p][DAMPING],
             pair_body[p][REACH],
             constants[FRICTION],
             pair_memory[p][SHEAR],
             pair_memory[p][ROLL],
             constants,
         )
+        if ti.static(features & COHESIVE):
+            normal -= constants[COHESION]
         fx, fz = -normal * nx - shear * nz, -normal * nz + shear * nx
         moment_i, moment_j = shear * arm_i + moment, shear * arm_j - moment
     pair_load[p][PAIR_FX], pair_load[p][PAIR_FZ] = fx, fz
@@ -140,7 +152,7 @@ def boundary_force(
         vx * nx + vz * nz,
         vz * nx - vx * nz + motion[i][SPIN] * arm,
         motion[i][SPIN] - spin,
-        ti.sqrt(body[i][MASS]),
+        body[i][WALL_DAMPING],
         body[i][RADIUS],
         friction,
         shear,
@@ -314,12 +326,13 @@ def move_tool(constants: Ref, tool: Ref, reaction: Ref, tool_contact_count):
 @ti.kernel
 def advance(
     steps: ti.template(),
+    features: ti.template(),
     constants: Row,
     grain_count: ti.i32,
     pair_count: ti.i32,
     tool_contact_count: ti.i32,
     motion: _rows(6),
-    body: _rows(3),
+    body: _rows(4),
     pairs: _rows(2, ti.i32),
     pair_body: _rows(2),
     pair_memory: _rows(2),
@@ -344,7 +357,7 @@ def advance(
     for step in ti.static(range(steps)):
         for p in range(pair_count + ti.static(int(step > 0))):
             if p < pair_count:
-                pair_forces(p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
+                pair_forces(features, p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
             else:
                 move_tool(constants, tool, reaction, tool_contact_count)
         for i in range(grain_count):

@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synth.dem.contacts import Contacts
-from synth.dem.grains import Grains
+from synth.dem.grains import Grains, Spheres
 from synth.dem.solver import Solver
 from synth.dem.tool import Tool
 from synth.implements import RigidWheel
@@ -93,13 +93,12 @@ class Frame:
         """A frame of the run that `tool` and `grains` belong to."""
         names = ("x", "z", "angle", "velocity_x", "velocity_z", "spin", "load")
         pose = dict(zip(names, arrays["tool"].tolist(), strict=True))
-        moved = Grains(
-            arrays["position"],
-            arrays["velocity"],
-            arrays["angle"],
-            arrays["spin"],
-            grains.radius,
-            grains.density,
+        moved = replace(
+            grains,
+            position=arrays["position"],
+            velocity=arrays["velocity"],
+            angle=arrays["angle"],
+            spin=arrays["spin"],
         )
         contacts = None
         if "contact_pairs" in arrays:
@@ -133,7 +132,8 @@ class RunLog:
         schedule, implement = self._schedule, self._scene.implement
         impulse, tool = solver.take_tool_impulse(), solver.read_tool()
         radius = implement.radius if isinstance(implement, RigidWheel) else 0.0
-        share = implement.width / (schedule.steps * schedule.time_step)
+        width = implement.width / self._scene.simulated_width
+        share = width / (schedule.steps * schedule.time_step)
         self.samples.append(
             (
                 schedule.time_at(interval + 1),
@@ -160,7 +160,12 @@ class RunLog:
     def recording(self, attributes: Mapping[str, float | str]) -> Recording:
         """Everything collected, as a recording."""
         hashes = {"simulation_hash": self._scene.simulation_hash}
-        arrays = {**self._frame_arrays(), **self._contact_arrays(), **self.sample_arrays()}
+        arrays = {
+            **self._frame_arrays(),
+            **self._slab_arrays(),
+            **self._contact_arrays(),
+            **self.sample_arrays(),
+        }
         return Recording.from_arrays(arrays, {**hashes, **attributes})
 
     def sample_arrays(self) -> dict[str, np.ndarray]:
@@ -185,8 +190,9 @@ class RunLog:
         slow = 1 / self._scene.timing.speed_up
         shape = (len(self.frames), self._grains.count)
         poses = np.array([(f.tool.x, f.tool.z, f.tool.angle) for f in self.frames], float).reshape(-1, 3)
-        position = np.array([frame.grains.position for frame in self.frames]).reshape(shape[0], 2, shape[1])
-        velocity = np.array([frame.grains.velocity for frame in self.frames]).reshape(position.shape) * slow
+        rows = (shape[0], len(self._grains.position), shape[1])
+        position = np.array([frame.grains.position for frame in self.frames]).reshape(rows)
+        velocity = np.array([frame.grains.velocity for frame in self.frames]).reshape(rows) * slow
         return {
             "time": np.arange(len(self.frames)) / self._scene.timing.frame_rate,
             "carriage_x": poses[:, 0],
@@ -195,10 +201,21 @@ class RunLog:
             "implement_angle": poses[:, 2],
             "radius": self._grains.radius,
             "position_x": position[:, 0],
-            "position_z": position[:, 1],
+            "position_z": position[:, -1],
             "angle": np.array([frame.grains.angle for frame in self.frames]).reshape(shape),
             "velocity_x": velocity[:, 0],
-            "velocity_z": velocity[:, 1],
+            "velocity_z": velocity[:, -1],
+        }
+
+    def _slab_arrays(self) -> dict[str, np.ndarray]:
+        """What spheres have besides: their way across the slab; nothing for discs."""
+        if not isinstance(self._grains, Spheres):
+            return {}
+        shape = (len(self.frames), self._grains.count)
+        slow = 1 / self._scene.timing.speed_up
+        return {
+            "position_y": np.array([frame.grains.position[1] for frame in self.frames]).reshape(shape),
+            "velocity_y": np.array([frame.grains.velocity[1] for frame in self.frames]).reshape(shape) * slow,
         }
 
 

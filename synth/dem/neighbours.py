@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
+from synth.dem.grains import length_of
+
 
 @dataclass(frozen=True)
 class NeighbourList:
@@ -36,14 +38,14 @@ def list_neighbours(position: np.ndarray, radius: np.ndarray, skin: float) -> Ne
 
     Parameters
     ----------
-    position : ndarray, shape (2, N)
+    position : ndarray, shape (2, N) or (3, N)
         m.
     radius : ndarray, shape (N,)
         m.
     """
     candidates = cKDTree(position.T).query_pairs(2 * radius.max() + skin, output_type="ndarray")
     i, j = candidates.min(axis=1), candidates.max(axis=1)
-    gap = np.hypot(*(position[:, i] - position[:, j])) - radius[i] - radius[j]
+    gap = length_of(position[:, i] - position[:, j]) - radius[i] - radius[j]
     i, j = i[gap < skin], j[gap < skin]
     order = np.lexsort((j, i))
     return neighbour_list_of(np.stack([i[order], j[order]]).astype(np.int32), radius.size)

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from synth.dem.bed import Bed, contact_law
-from synth.dem.contact_law import largest_time_step
+from synth.dem.contact_law import time_step_of
 from synth.dem.failures import SimulationError, check
 from synth.dem.grains import Grains
 from synth.dem.log import RunLog, Schedule
@@ -43,12 +43,20 @@ def run_implement(
         The state makes no sense any more; its `recording` is what was recorded until then.
     """
     law = contact_law(scene)
-    largest = largest_time_step(bed.grains.mass, law.normal_stiffness, scene.contact.steps_per_contact)
+    largest = time_step_of(bed.grains, law, scene.contact.steps_per_contact)
     schedule = Schedule.of(scene, largest)
     surface = surface_height(bed.grains, scene.bed.grain_diameter)
     tool = _touching_down(scene, bed.grains)
     gravity = (0.0, -scene.bed.gravity)
-    solver = Solver(bed.grains, law, scene.bed.width, schedule.time_step, gravity=gravity, tool=tool)
+    solver = Solver(
+        bed.grains,
+        law,
+        scene.bed.width,
+        schedule.time_step,
+        gravity=gravity,
+        tool=tool,
+        thickness=scene.bed.thickness or np.inf,
+    )
     log = RunLog(scene, schedule, tool, bed.grains, surface)
     about_bed = {"surface_height": surface, "solid_fraction": bed.solid_fraction}
     try:
@@ -90,9 +98,10 @@ def _record(
 
 def surface_height(grains: Grains, grain_diameter: float) -> float:
     """Mean height of the topmost grains' tops over columns two diameters wide, m."""
-    column = np.floor(grains.position[0] / (2 * grain_diameter)).astype(int)
+    x, z = grains.in_plane
+    column = np.floor(x / (2 * grain_diameter)).astype(int)
     tops = np.zeros(column.max() + 1)
-    np.maximum.at(tops, column, grains.position[1] + grains.radius)
+    np.maximum.at(tops, column, z + grains.radius)
     return float(tops[tops > 0].mean())
 
 
@@ -100,8 +109,8 @@ def _touching_down(scene: SoilBinScene, grains: Grains) -> Tool:
     """The implement just above the grains: as low as it can be without touching one."""
     implement, start = scene.implement, scene.drive.start
     shape = implement.shape
-    below = np.abs(grains.position[0] - start) < shape.reach + grains.radius
-    position, radius = grains.position[:, below].T, grains.radius[below]
+    below = np.abs(grains.in_plane[0] - start) < shape.reach + grains.radius
+    position, radius = grains.in_plane[:, below].T, grains.radius[below]
 
     def clear(z: float) -> bool:
         offset = position - (start, z)
@@ -112,7 +121,8 @@ def _touching_down(scene: SoilBinScene, grains: Grains) -> Tool:
     while high - low > 1e-3 * scene.bed.grain_diameter:
         middle = (low + high) / 2
         low, high = (low, middle) if clear(middle) else (middle, high)
-    mass = implement.moving_mass / implement.width if isinstance(implement, RigidWheel) else 1.0
+    share = scene.simulated_width / implement.width
+    mass = implement.moving_mass * share if isinstance(implement, RigidWheel) else 1.0
     return Tool(shape=shape, x=start, z=high, mass=mass, heaves=scene.program.heaves)
 
 
@@ -120,7 +130,8 @@ def _drive(solver: Solver, scene: SoilBinScene, time: float) -> None:
     """Tell the implement what the program wants at a time of the laboratory."""
     implement, fast = scene.implement, scene.timing.speed_up
     velocity_x, velocity_z, spin, load = scene.program.at(time)
-    full_load = implement.normal_load / implement.width if isinstance(implement, RigidWheel) else 0.0
+    share = scene.simulated_width / implement.width
+    full_load = implement.normal_load * share if isinstance(implement, RigidWheel) else 0.0
     solver.drive_tool(
         velocity_x=fast * velocity_x, velocity_z=fast * velocity_z, spin=fast * spin, load=load * full_load
     )

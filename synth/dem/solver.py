@@ -5,10 +5,11 @@ from typing import Any
 
 import numpy as np
 
-from synth.dem.contact_law import ContactLaw
+from synth.dem.contact_law import Law
 from synth.dem.contacts import Contacts
 from synth.dem.failures import SimulationError
-from synth.dem.grains import Grains
+from synth.dem.grains import Grains, length_of
+from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
 from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours, neighbour_list_of
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.scene import GRAVITY
@@ -35,10 +36,16 @@ _SAVED_ARRAYS = (
 class Solver:
     """Grains in a box of given width, open at the top, with a floor at z = 0.
 
+    Discs and spheres: what they do is in two files of kernels, `synth.dem.kernels` and
+    `synth.dem.sphere_kernels`, with the same entry points and arguments; `synth.dem.layout` says how grains
+    and law become the arrays that either reads. All else, lists, memory, watch and states, is here, once.
+
     Parameters
     ----------
     grains : Grains
-    law : ContactLaw
+        Discs, for which everything is per metre of width; or `Spheres`.
+    law : ContactLaw or HertzMindlinLaw
+        The latter for spheres only.
     width : float
         Distance between the end walls, m.
     time_step : float
@@ -48,15 +55,19 @@ class Solver:
     drag : float
         Rate at which motion dies away of itself, 1/s; for settling only.
     tool : Tool, optional
+        Among spheres, its mass (kg) and load (N) are those on the whole slab.
+    thickness : float
+        Of a slab of spheres: distance of the glass, y = 0, from the face opposite, m.
     """
 
     grains: Grains
-    law: ContactLaw
+    law: Law
     width: float
     time_step: float
     gravity: tuple[float, float] = (0.0, -GRAVITY)
     drag: float = 0.0
     tool: Tool | None = None
+    thickness: float = np.inf
     time: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -64,15 +75,15 @@ class Solver:
 
         self._ti: Any = ti
         grains = self.grains
+        self._layout = layout = layout_of(grains, self.law)
         self._skin = SKIN * 2 * float(grains.radius.mean())
-        self._motion = self._array(
-            np.column_stack([grains.position.T, grains.velocity.T, grains.angle, grains.spin])
-        )
-        self._body = self._array(np.column_stack([grains.radius, grains.mass, grains.inertia]))
-        self._wall_memory = self._array(np.zeros((grains.count, 6)))
+        self._motion = self._array(layout.motion(grains))
+        self._body = self._array(body_rows(grains, self.law, self.time_step))
+        rows, numbers = layout.wall_memory
+        self._wall_memory = self._array(np.zeros((rows * grains.count, numbers)))
         self._tool = self._array(_tool_row(self.tool))
         self._parts = self._array(_part_rows(self.tool))
-        self._constants = self._array(self._constants_row())
+        self._constants = self._array(layout.constants(self))
         self._neighbours: NeighbourList | None = None
         self._listed_tool: Tool | None = None
         self._tool_contacts = ToolContacts.none(grains.count)
@@ -87,7 +98,7 @@ class Solver:
         self._near_tool: Any = None
         self._first_tool_contact: Any = None
         self._tool_parts: Any = None
-        self._tool_memory = self._array(np.zeros((1, 2)))
+        self._tool_memory = self._array(np.zeros((1, layout.memory)))
         self._reaction: Any = None
         self._unwatched, self._watch_after = 0, 1
         self._list_neighbours()
@@ -100,10 +111,9 @@ class Solver:
         SimulationError
             A grain moved so far between two looks that a contact may have been missed.
         """
-        from synth.dem.kernels import STEPS_PER_LAUNCH
-
-        whole, rest = divmod(steps, STEPS_PER_LAUNCH)
-        for chunk in [STEPS_PER_LAUNCH] * whole + [1] * rest:
+        at_once = self._layout.kernels.STEPS_PER_LAUNCH
+        whole, rest = divmod(steps, at_once)
+        for chunk in [at_once] * whole + [1] * rest:
             self._launch(chunk)
             self.time += chunk * self.time_step
             self._unwatched += 1
@@ -160,8 +170,7 @@ class Solver:
 
     def read_grains(self) -> Grains:
         """The grains as they are now."""
-        motion = self._motion.to_numpy().T
-        return Grains(motion[0:2], motion[2:4], motion[4], motion[5], self.grains.radius, self.grains.density)
+        return self._layout.grains(self._motion.to_numpy(), self.grains)
 
     def contacts(self) -> tuple[np.ndarray, np.ndarray]:
         """Pairs of grains in contact, shape (2, contacts), and their overlaps, m, shape (contacts,)."""
@@ -169,7 +178,7 @@ class Solver:
         return self.read_grains().touching(self._neighbours.pairs)
 
     def pair_forces(self) -> Contacts:
-        """The forces between grains in the last time step; none before the first."""
+        """The forces between discs in the last time step; none before the first."""
         assert self._neighbours is not None
         pairs = self._neighbours.pairs
         force = self._pair_load.to_numpy()[: pairs.shape[1], :2]
@@ -212,11 +221,10 @@ class Solver:
             self._listed_tool = replace(self.read_tool(), x=x, z=z, angle=angle)
 
     def _launch(self, steps: int) -> None:
-        from synth.dem import kernels as k
-
         assert self._neighbours is not None
-        k.advance(
+        self._layout.kernels.advance(
             steps,
+            self._layout.features,
             self._constants,
             self.grains.count,
             self._neighbours.pairs.shape[1],
@@ -245,10 +253,9 @@ class Solver:
 
         The next look is due when the fastest grain, at its present speed, moves half of what is left.
         """
-        from synth.dem import kernels as k
-
         if self._unwatched == 0:
             return
+        k = self._layout.kernels
         squares = k.greatest_shift_and_speed(self.grains.count, self._motion, self._listed)
         shift, speed = (float(np.sqrt(square)) for square in squares)
         if shift > 0.5 * self._skin:
@@ -267,28 +274,28 @@ class Solver:
         return 0.0 if self._listed_tool is None else self.read_tool().shift_since(self._listed_tool)
 
     def _blow_up(self) -> str:
-        listed = self._listed.to_numpy()
-        shift = np.nan_to_num(np.hypot(*(self._motion.to_numpy()[:, 0:2] - listed).T), nan=np.inf)
+        listed, grains = self._listed.to_numpy().T, self.read_grains()
+        shift = np.nan_to_num(length_of(grains.position - listed), nan=np.inf)
         worst = int(shift.argmax())
-        x, z = listed[worst]
+        x, z = listed[[0, -1], worst]
         far = f"{shift[worst]:.3g} m" if np.isfinite(shift[worst]) else "beyond any number"
         step = f"{self.time_step:.3g} s"
         return f"grain {worst} moved {far} in a few steps of {step}, from x = {x:.4g} m, z = {z:.4g} m"
 
     def _list_neighbours(self) -> None:
-        position = self._motion.to_numpy().T[0:2]
+        position = self._layout.position(self._motion.to_numpy())
         self._unwatched, self._watch_after = 0, 1
         self._listed.from_numpy(np.ascontiguousarray(position.T))
         self._list_pairs(position)
-        self._list_tool_contacts(position)
+        self._list_tool_contacts(position[[0, -1]])
         self._put_lists_on_device()
-        reach, (x, z) = self.grains.radius + self._skin, position
-        near_wall = (z < reach) | (x < reach) | (x > self.width - reach)
+        near_wall = self._layout.near_wall(position, self.grains.radius + self._skin, self)
         self._near_wall.from_numpy(near_wall.astype(np.int32))
 
     def _list_pairs(self, position: np.ndarray) -> None:
         old, new = self._neighbours, list_neighbours(position, self.grains.radius, self._skin)
-        memory, load = np.zeros((new.keys.size, 2)), np.zeros((new.keys.size, 4))
+        memory = np.zeros((new.keys.size, self._layout.memory))
+        load = np.zeros((new.keys.size, self._layout.pair_load))
         if old is not None:
             memory, load = (
                 carry_memory(old.keys, array.to_numpy()[: old.keys.size], new.keys)
@@ -314,40 +321,18 @@ class Solver:
         assert self._neighbours is not None
         pairs, contacts = self._neighbours, self._tool_contacts
         self._pairs = self._refilled(self._pairs, pairs.pairs.T)
-        self._pair_body = self._refilled(self._pair_body, _pair_body(self.grains, pairs.pairs))
+        self._pair_body = self._refilled(
+            self._pair_body, pair_rows(self.grains, self.law, self.time_step, pairs.pairs)
+        )
         self._first_contact = self._refilled(self._first_contact, pairs.first_contact)
         self._contacts = self._refilled(self._contacts, pairs.contacts)
         self._near_tool = self._refilled(self._near_tool, contacts.near_tool)
         self._first_tool_contact = self._refilled(self._first_tool_contact, contacts.first_contact)
         self._tool_parts = self._refilled(self._tool_parts, contacts.parts)
 
-    def _constants_row(self) -> np.ndarray:
-        from synth.dem import kernels as k
-
-        law, row = self.law, np.zeros(k.CONSTANT_COUNT)
-        row[[k.KN, k.KT]] = law.normal_stiffness, law.tangential_stiffness
-        row[[k.DAMPING_N, k.DAMPING_T]] = 2 * law.damping_ratio * np.sqrt(row[[k.KN, k.KT]])
-        row[[k.FRICTION, k.WALL_FRICTION, k.TOOL_FRICTION]] = (
-            law.friction,
-            law.wall_friction,
-            law.implement_friction,
-        )
-        row[k.ROLLING_FRICTION] = law.rolling_friction
-        row[k.ROLLING_STIFFNESS] = 2.25 * law.normal_stiffness * law.rolling_friction**2
-        row[k.TIME_STEP] = self.time_step
-        row[[k.GRAVITY_X, k.GRAVITY_Z]] = self.gravity
-        row[[k.WIDTH, k.DRAG]] = self.width, self.drag
-        return row
-
     def _array(self, values: np.ndarray) -> Any:
         """Values (n,), or records (n, k), on the device, in an array of just that length."""
-        kind = self._ti.i32 if values.dtype == np.int32 else self._ti.f64
-        if values.ndim == 1:
-            array = self._ti.ndarray(kind, values.shape)
-        else:
-            array = self._ti.Vector.ndarray(values.shape[1], kind, len(values))
-        array.from_numpy(np.ascontiguousarray(values))
-        return array
+        return device_array(self._ti, values)
 
     def _refilled(self, array: Any, values: np.ndarray) -> Any:
         """Values in an array that is there, or in a new one where that is too short.
@@ -364,12 +349,6 @@ class Solver:
             return self._array(padded)
         array.from_numpy(padded)
         return array
-
-
-def _pair_body(grains: Grains, pairs: np.ndarray) -> np.ndarray:
-    """Root of the reduced mass and reduced radius of every pair, shape (P, 2)."""
-    (mi, mj), (ri, rj) = grains.mass[pairs], grains.radius[pairs]
-    return np.stack([np.sqrt(mi * mj / (mi + mj)), ri * rj / (ri + rj)], axis=1)
 
 
 def _tool_row(tool: Tool | None) -> np.ndarray:

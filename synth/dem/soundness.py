@@ -15,8 +15,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from synth.dem.contact_law import contact_time
-from synth.dem.grains import Grains
+from synth.dem.bed import contact_law
+from synth.dem.contact_law import ContactLaw, Law, shortest_contact, spring_force
+from synth.dem.grains import Grains, length_of
 from synth.dem.log import Frame, RunLog
 from synth.dem.tool import Tool
 from synth.implements import RigidWheel, Shape
@@ -129,11 +130,10 @@ def soundness_of(scene: SoilBinScene, time_step: float, log: RunLog) -> dict[str
     """
     chosen = np.unique(np.linspace(0, len(log.frames) - 1, _FRAMES).astype(int))
     frames = [log.frames[index] for index in chosen]
-    stiffness, density = scene.contact.normal_stiffness, scene.soil.bulk_density
-    inertial = np.concatenate([inertial_numbers(frame, stiffness, density) for frame in frames])
+    law, density = contact_law(scene), scene.soil.bulk_density
+    inertial = np.concatenate([inertial_numbers(frame, law, density) for frame in frames])
     overlap = np.concatenate([_overlaps(frame.grains) for frame in frames])
-    lightest = float(frames[0].grains.mass.min())
-    found = {"steps_per_contact": contact_time(lightest, stiffness) / time_step}
+    found = {"steps_per_contact": shortest_contact(frames[0].grains, law) / time_step}
     if inertial.size:
         found["inertial_number_median"] = float(np.median(inertial))
         found["inertial_number_p95"] = float(np.quantile(inertial, 0.95))
@@ -143,8 +143,18 @@ def soundness_of(scene: SoilBinScene, time_step: float, log: RunLog) -> dict[str
         found["overlap_max"] = max(log.greatest_overlap, float(overlap.max()))
     pressure = mean_pressure(scene, log)
     if pressure > 0:
-        found |= {"mean_pressure": pressure, "stiffness_ratio": stiffness / pressure}
+        found |= {"mean_pressure": pressure, "stiffness_ratio": _stiffness_ratio(scene, law, pressure)}
     return found
+
+
+def _stiffness_ratio(scene: SoilBinScene, law: Law, pressure: float) -> float:
+    """Contact stiffness / pressure: of spheres, stiffness / diameter; after Hertz ``(E* / p)^(2/3)``.
+
+    The last as in Agnolin and Roux, *Physical Review E* 76 (2007) 061302: the inverse of the overlap's scale.
+    """
+    if isinstance(law, ContactLaw):
+        return scene.contact.normal_stiffness / pressure
+    return float((law.effective_modulus / pressure) ** (2 / 3))
 
 
 def mean_pressure(scene: SoilBinScene, log: RunLog) -> float:
@@ -167,7 +177,7 @@ def mean_pressure(scene: SoilBinScene, log: RunLog) -> float:
     return float(np.hypot(upward, along)) / implement.width / sinkage
 
 
-def inertial_numbers(frame: Frame, normal_stiffness: float, bulk_density: float) -> np.ndarray:
+def inertial_numbers(frame: Frame, law: Law, bulk_density: float) -> np.ndarray:
     """Inertial number of every grain that moves: shear rate x diameter x root(grain density / pressure).
 
     Everything in simulated time. Shear rate and pressure are those around the grain, averaged over 2.5
@@ -176,8 +186,7 @@ def inertial_numbers(frame: Frame, normal_stiffness: float, bulk_density: float)
 
     Parameters
     ----------
-    normal_stiffness : float
-        N/m per metre of width.
+    law : ContactLaw or HertzMindlinLaw
     bulk_density : float
         kg/m3.
 
@@ -191,42 +200,43 @@ def inertial_numbers(frame: Frame, normal_stiffness: float, bulk_density: float)
     if chosen.size == 0:
         return np.zeros(0)
     near = _Surroundings.of(grains.position, chosen, _AVERAGED_OVER * diameter)
-    rate = near.shear_rate(grains.position, grains.velocity)
-    area = np.pi * grains.radius**2
+    rate = near.shear_rate(grains.in_plane, grains.velocity[[0, -1]])
     solid_fraction = bulk_density / grains.density
-    pressure = solid_fraction * near.mean(virials(grains, frame.tool, normal_stiffness)) / near.mean(area)
+    pressure = solid_fraction * near.mean(virials(grains, frame.tool, law)) / near.mean(grains.volume)
     carries = (pressure > bulk_density * GRAVITY * diameter) & np.isfinite(rate)
     return rate[carries] * diameter * np.sqrt(grains.density / pressure[carries])
 
 
-def virials(grains: Grains, tool: Tool, normal_stiffness: float) -> np.ndarray:
-    """Half the trace of every grain's virial, ``sum of f . l / 2``, N per metre of width, shape (N,).
+def virials(grains: Grains, tool: Tool, law: Law) -> np.ndarray:
+    """Mean normal component of every grain's virial, ``sum of f . l / dimensions``, shape (N,).
 
-    The branch from a disc's centre to its contact lies along the normal, so that only normal forces count.
-    They are the springs' alone: in slow flow, the dashpots' share is small.
+    N per metre of width for discs, N m for spheres. The branch from a grain's centre to its contact lies
+    along the normal, so that only normal forces count. They are the springs' alone: in slow flow, the
+    dashpots' share is small.
     """
     pairs, overlap = _contacts(grains)
     (i, j), radius = pairs, grains.radius
+    pressing = spring_force(law, overlap, radius[i] * radius[j] / (radius[i] + radius[j]))
     virial = np.zeros(grains.count)
     for grain in (i, j):
-        np.add.at(virial, grain, overlap * (radius[grain] - overlap / 2))
-    gap = _gaps_to(tool, grains)
-    pressed = np.maximum(radius[:, None] - gap, 0)
-    virial += (pressed * (radius[:, None] - pressed / 2)).sum(axis=1)
-    return 0.5 * normal_stiffness * virial
+        np.add.at(virial, grain, pressing * (radius[grain] - overlap / 2))
+    pressed = np.maximum(radius[:, None] - _gaps_to(tool, grains), 0)
+    force = spring_force(law, pressed, radius[:, None], boundary=True)
+    virial += (force * (radius[:, None] - pressed / 2)).sum(axis=1)
+    return virial / len(grains.position)
 
 
 def _gaps_to(tool: Tool, grains: Grains) -> np.ndarray:
     """Distance of grains' centres to every capsule of the implement, m, shape (N, C)."""
     shape: Shape = tool.shape.turned(tool.angle)
-    return shape.distance_to_capsules(grains.position.T - (tool.x, tool.z))
+    return shape.distance_to_capsules(grains.in_plane.T - (tool.x, tool.z))
 
 
 def _moving(frame: Frame) -> np.ndarray:
     """Grains faster than a tenth of the implement; none while it stands still."""
     tool = frame.tool
     speed = max(abs(tool.velocity_x), abs(tool.spin) * tool.shape.reach)
-    return (np.hypot(*frame.grains.velocity) > _MOVING * speed) & (speed > 0)
+    return (length_of(frame.grains.velocity) > _MOVING * speed) & (speed > 0)
 
 
 def _contacts(grains: Grains) -> tuple[np.ndarray, np.ndarray]:

@@ -97,7 +97,7 @@ def list_tool_contacts(grains: Grains, position: np.ndarray, tool: Tool, skin: f
     Parameters
     ----------
     position : ndarray, shape (2, N)
-        Where the grains are now, m.
+        Where the grains are now along the bin and upwards, m.
     """
     offset = position.T - (tool.x, tool.z)
     around = np.flatnonzero(np.hypot(*offset.T) < tool.shape.reach + grains.radius + skin)

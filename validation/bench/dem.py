@@ -93,12 +93,11 @@ def _ticker(progress: Callable[[int, int], None] | None, start: int, total: int)
 
 def _work(grain_count: int, steps: int) -> Work:
     from synth.dem.bed import contact_law, settled_bed
-    from synth.dem.contact_law import largest_time_step
+    from synth.dem.contact_law import time_step_of
 
     scene = bed_scene(grain_count)
     bed = settled_bed(scene)
-    stiffness = contact_law(scene).normal_stiffness
-    step = largest_time_step(bed.grains.mass, stiffness, scene.contact.steps_per_contact)
+    step = time_step_of(bed.grains, contact_law(scene), scene.contact.steps_per_contact)
     return Work(f"bed of {bed.grains.count} discs", scene, bed, step, steps, warm_up=200)
 
 
@@ -175,11 +174,14 @@ def _own_seconds(work: Work) -> float:
 
 def _peer_seconds(work: Work, peer: Lammps, ranks: int) -> float:
     from synth.dem.bed import contact_law
+    from synth.dem.contact_law import ContactLaw
     from synth.dem.solver import SKIN
 
+    law = contact_law(work.scene)
+    assert isinstance(law, ContactLaw)
     return peer.seconds(
         work.bed.grains,
-        contact_law(work.scene),
+        law,
         width=work.scene.bed.width,
         gravity=work.gravity,
         time_step=work.time_step,

@@ -11,6 +11,7 @@ from validation.verification.balances import (
     weight_on_walls,
 )
 from validation.verification.biaxial import biaxial
+from validation.verification.cohesion import held_pair, standing_column
 from validation.verification.collisions import (
     elastic_contact,
     gross_sliding,
@@ -19,6 +20,13 @@ from validation.verification.collisions import (
 )
 from validation.verification.column_collapse import column_collapse
 from validation.verification.comparison import Comparison, Progress
+from validation.verification.impacts import (
+    damped_normal_impact,
+    elastic_normal_impact,
+    oblique_impact,
+    oblique_impact_on_plane,
+    spinning_spheres,
+)
 from validation.verification.precision import slow_creep, threads
 from validation.verification.repose import repose
 from validation.verification.silo import janssen
@@ -28,6 +36,7 @@ from validation.verification.sliding_and_rolling import (
     sliding_to_rolling,
     tangential_spring,
 )
+from validation.verification.sphere_balances import sphere_angular_momentum, sphere_momentum, sphere_weight
 
 if TYPE_CHECKING:
     from rich.table import Table
@@ -49,6 +58,16 @@ FAST: dict[str, Callable[[], list[Comparison]]] = {
     "weight": weight_on_walls,
     "creep": slow_creep,
     "threads": threads,
+    "impact-1-2": elastic_normal_impact,
+    "impact-3": damped_normal_impact,
+    "impact-4": oblique_impact,
+    "impact-5-6": oblique_impact_on_plane,
+    "impact-7-8": spinning_spheres,
+    "sphere-momentum": sphere_momentum,
+    "sphere-angular-momentum": sphere_angular_momentum,
+    "sphere-weight": sphere_weight,
+    "cohesion": held_pair,
+    "cohesive-column": standing_column,
 }
 """Cases of a few seconds at most."""
 

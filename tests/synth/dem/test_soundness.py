@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from synth import simulate
+from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
 from synth.dem.log import Frame
 from synth.dem.soundness import QUANTITIES, inertial_numbers, judge
@@ -13,6 +14,7 @@ from synth.dem.tool import Tool
 from synth.implements import Shape
 
 RADIUS, DENSITY, STIFFNESS, OVERLAP = 1e-3, 2000.0, 1e6, 1e-5
+LAW = ContactLaw(STIFFNESS, 0.5 * STIFFNESS, 0.1, 0.5, 0.5, 0.5, 0.1)
 SPACING = 2 * RADIUS - OVERLAP
 BULK = DENSITY * np.pi * RADIUS**2 / (np.sqrt(3) / 2 * SPACING**2)
 
@@ -31,7 +33,7 @@ def far_tool(speed):
 
 def test_inertial_number_of_simple_shear():
     rate = 3.0
-    numbers = inertial_numbers(Frame(far_tool(0.01), sheared_lattice(rate)), STIFFNESS, BULK)
+    numbers = inertial_numbers(Frame(far_tool(0.01), sheared_lattice(rate)), LAW, BULK)
     pressure = np.sqrt(3) * STIFFNESS * OVERLAP / SPACING
     # Grains at the edges have fewer contacts; all others are alike.
     expected = rate * 2 * RADIUS * np.sqrt(DENSITY / pressure)
@@ -43,19 +45,19 @@ def test_turning_as_a_whole_is_no_shear():
     grains = sheared_lattice(0.0)
     x, z = grains.position
     turning = replace(grains, velocity=np.stack([-2.0 * z, 2.0 * x]))
-    numbers = inertial_numbers(Frame(far_tool(0.01), turning), STIFFNESS, BULK)
+    numbers = inertial_numbers(Frame(far_tool(0.01), turning), LAW, BULK)
     assert numbers.size and numbers.max() < 1e-9
 
 
 def test_soil_at_rest_and_an_implement_at_rest_have_none():
-    assert inertial_numbers(Frame(far_tool(0.1), sheared_lattice(0.0)), STIFFNESS, BULK).size == 0
-    assert inertial_numbers(Frame(far_tool(0.0), sheared_lattice(3.0)), STIFFNESS, BULK).size == 0
+    assert inertial_numbers(Frame(far_tool(0.1), sheared_lattice(0.0)), LAW, BULK).size == 0
+    assert inertial_numbers(Frame(far_tool(0.0), sheared_lattice(3.0)), LAW, BULK).size == 0
 
 
 def test_soil_that_carries_nothing_is_left_out():
     loose = sheared_lattice(3.0)
     apart = replace(loose, position=1.1 * loose.position)
-    assert inertial_numbers(Frame(far_tool(0.01), apart), STIFFNESS, BULK).size == 0
+    assert inertial_numbers(Frame(far_tool(0.01), apart), LAW, BULK).size == 0
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,476 @@
+"""The kernels of spheres in a slab: as `synth.dem.kernels`, in three dimensions.
+
+The same two passes and the same order of sums. The implement is the discs' one, extruded along y: what is
+nearest to a grain is found in the (x, z) plane, and it moves in that plane alone. Six contacts with a grain
+are possible beside those with others: floor, end walls, the glass at y = 0, the slab's other face, implement.
+Forces in N, for the slab as a whole. Import only after `synth.devices.start_taichi`.
+"""
+
+import taichi as ti
+
+from synth.dem.kernels import (
+    COHESION,
+    COHESIVE,
+    CONSTANT_COUNT,
+    DAMPING,
+    DRAG,
+    FAR,
+    FRICTION,
+    GRAVITY_X,
+    GRAVITY_Z,
+    INERTIA,
+    KN,
+    KT,
+    MASS,
+    PART_RADIUS,
+    RADIUS,
+    REACH,
+    ROLLING_FRICTION,
+    TIME_STEP,
+    TOOL_FRICTION,
+    TOOL_SPIN,
+    TOOL_VX,
+    TOOL_VZ,
+    TOOL_X,
+    TOOL_Z,
+    WALL_DAMPING,
+    WALL_FRICTION,
+    WIDTH,
+    Index,
+    Ref,
+    Row,
+    Two,
+    _rows,
+    move_tool,
+    nearest_on_part,
+)
+
+# components of `motion`
+X, Y, Z, VX, VY, VZ, ANGLE, WX, WY, WZ = range(10)
+# where the vectors of `pair_load` begin: force on the first grain, moments on both
+FORCE, MOMENT_1, MOMENT_2 = 0, 3, 6
+# where the vectors of `pair_memory`, `tool_memory` and `wall_memory` begin; a grain has five rows of the last
+SHEAR, ROLL = 0, 3
+MEMORY = 6
+WALL_COUNT = 5
+# entries of `constants` beyond those of discs; with Hertz, KN and KT are the moduli E* and G*
+WALL_KN, WALL_KT, GLASS_FRICTION, BACK_FRICTION, THICKNESS = range(CONSTANT_COUNT, CONSTANT_COUNT + 5)
+SPHERE_CONSTANT_COUNT = CONSTANT_COUNT + 5
+# what a kernel is compiled for, beside COHESIVE
+HERTZIAN = 2
+
+STEPS_PER_LAUNCH = 1
+"""A step of many spheres is long against a launch, and several in one would be long to compile."""
+
+Three = ti.types.vector(3, ti.f64)
+
+
+@ti.func
+def three(rows: Ref, i, start: ti.template()):
+    """Three numbers of record `i`, from `start` on."""
+    return ti.Vector([rows[i][start], rows[i][start + 1], rows[i][start + 2]])
+
+
+@ti.func
+def keep(rows: Ref, i, start: ti.template(), value):
+    """Write three numbers into record `i`."""
+    for k in ti.static(range(3)):
+        rows[i][start + k] = value[k]
+
+
+@ti.func
+def shortened(value, limit):
+    """The vector, no longer than the limit."""
+    length = value.norm()
+    factor = 1.0
+    if length > limit:
+        factor = limit / length
+    return factor * value
+
+
+@ti.func
+def turned_into(value, normal):
+    """The vector laid into the plane across `normal`, as long as it was: memory turns with its contact."""
+    flat = value - value.dot(normal) * normal
+    length, before = flat.norm(), value.norm()
+    factor = 0.0
+    if length > 1e-12 * before:
+        factor = before / length
+    return factor * flat
+
+
+@ti.func
+def contact(
+    features: ti.template(),
+    overlap,
+    normal,
+    velocity,
+    spin,
+    damping,
+    reach,
+    kn,
+    kt,
+    friction,
+    rolling_friction,
+    shear,
+    roll,
+    constants: Ref,
+):
+    """Force law of one contact; `normal` points from the grain to what it touches.
+
+    `velocity` and `spin` are the grain's against the other, where they touch; `shear` and `roll` the force
+    and the moment that are remembered. Returns the normal force, the tangential force and the rolling moment
+    on the grain, and the tangential force to remember.
+    """
+    dt = constants[TIME_STEP]
+    stiffness, tangent = kn, kt
+    spring_force = kn * overlap
+    if ti.static(features & HERTZIAN):
+        patch = ti.sqrt(reach * overlap)
+        stiffness, tangent = 2.0 * kn * patch, 8.0 * kt * patch
+        spring_force = 2.0 / 3.0 * stiffness * overlap
+    approach = velocity.dot(normal)
+    sliding = velocity - approach * normal
+    pressing = ti.max(0.0, spring_force + damping * ti.sqrt(stiffness) * approach)
+    limit = friction * pressing
+    spring = turned_into(shear, normal) - tangent * dt * sliding
+    tangential = shortened(spring - damping * ti.sqrt(tangent) * sliding, limit)
+    rolling = spin - spin.dot(normal) * normal
+    lever = rolling_friction * reach
+    turning = turned_into(roll, normal) - 2.25 * stiffness * lever * lever * dt * rolling
+    return pressing, tangential, shortened(turning, lever * pressing), shortened(spring, limit)
+
+
+@ti.func
+def pair_forces(
+    features: ti.template(),
+    p,
+    constants: Ref,
+    pairs: Ref,
+    pair_body: Ref,
+    motion: Ref,
+    body: Ref,
+    pair_memory: Ref,
+    pair_load: Ref,
+):
+    """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
+    i, j = pairs[p][0], pairs[p][1]
+    branch = three(motion, j, X) - three(motion, i, X)
+    ri, rj = body[i][RADIUS], body[j][RADIUS]
+    square = branch.norm_sqr()
+    nothing = ti.Vector([0.0, 0.0, 0.0])
+    force, moment_i, moment_j, spring, turning = nothing, nothing, nothing, nothing, nothing
+    if square < (ri + rj) * (ri + rj):
+        distance = ti.sqrt(square)
+        normal = branch / distance
+        overlap = ri + rj - distance
+        arm_i, arm_j = ri - 0.5 * overlap, rj - 0.5 * overlap
+        wi, wj = three(motion, i, WX), three(motion, j, WX)
+        velocity = three(motion, i, VX) - three(motion, j, VX) + (arm_i * wi + arm_j * wj).cross(normal)
+        pressing, tangential, turning_now, spring_now = contact(
+            features,
+            overlap,
+            normal,
+            velocity,
+            wi - wj,
+            pair_body[p][DAMPING],
+            pair_body[p][REACH],
+            constants[KN],
+            constants[KT],
+            constants[FRICTION],
+            constants[ROLLING_FRICTION],
+            three(pair_memory, p, SHEAR),
+            three(pair_memory, p, ROLL),
+            constants,
+        )
+        if ti.static(features & COHESIVE):
+            pressing -= constants[COHESION] * pair_body[p][REACH]
+        turning, spring = turning_now, spring_now
+        force = tangential - pressing * normal
+        twist = normal.cross(tangential)
+        moment_i, moment_j = arm_i * twist + turning, arm_j * twist - turning
+    keep(pair_load, p, FORCE, force)
+    keep(pair_load, p, MOMENT_1, moment_i)
+    keep(pair_load, p, MOMENT_2, moment_j)
+    keep(pair_memory, p, SHEAR, spring)
+    keep(pair_memory, p, ROLL, turning)
+
+
+@ti.func
+def boundary_force(
+    features: ti.template(),
+    i,
+    overlap,
+    normal,
+    surface,
+    spin,
+    friction,
+    rolling_friction,
+    memory: Ref,
+    m,
+    constants: Ref,
+    motion: Ref,
+    body: Ref,
+):
+    """Force, moment and rolling moment on grain `i` from a boundary it touches; its memory is record `m`.
+
+    `normal` points from the grain into the boundary, whose surface moves at `surface` and turns at `spin`.
+    """
+    arm, w = body[i][RADIUS] - 0.5 * overlap, three(motion, i, WX)
+    pressing, tangential, turning, spring = contact(
+        features,
+        overlap,
+        normal,
+        three(motion, i, VX) + arm * w.cross(normal) - surface,
+        w - spin,
+        body[i][WALL_DAMPING],
+        body[i][RADIUS],
+        constants[WALL_KN],
+        constants[WALL_KT],
+        friction,
+        rolling_friction,
+        three(memory, m, SHEAR),
+        three(memory, m, ROLL),
+        constants,
+    )
+    keep(memory, m, SHEAR, spring)
+    keep(memory, m, ROLL, turning)
+    return tangential - pressing * normal, arm * normal.cross(tangential) + turning, turning
+
+
+@ti.func
+def wall_at(wall, r, x, y, z, constants: Ref):
+    """Overlap with a wall, normal into it, friction there: floor, left, right, glass, opposite face."""
+    overlap, normal, friction = r - z, ti.Vector([0.0, 0.0, -1.0]), constants[WALL_FRICTION]
+    if wall == 1:
+        overlap, normal = r - x, ti.Vector([-1.0, 0.0, 0.0])
+    elif wall == 2:
+        overlap, normal = x + r - constants[WIDTH], ti.Vector([1.0, 0.0, 0.0])
+    elif wall == 3:
+        overlap, normal, friction = r - y, ti.Vector([0.0, -1.0, 0.0]), constants[GLASS_FRICTION]
+    elif wall == 4:
+        overlap, friction = y + r - constants[THICKNESS], constants[BACK_FRICTION]
+        normal = ti.Vector([0.0, 1.0, 0.0])
+    return overlap, normal, friction
+
+
+@ti.func
+def wall_forces(features: ti.template(), i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
+    """Force and moment of all walls on grain `i`.
+
+    Nothing holds a grain from rolling on glass more strongly than friction holds it there.
+    """
+    force, moment, nothing = (
+        ti.Vector([0.0, 0.0, 0.0]),
+        ti.Vector([0.0, 0.0, 0.0]),
+        ti.Vector([0.0, 0.0, 0.0]),
+    )
+    for wall in range(WALL_COUNT):
+        m = WALL_COUNT * i + wall
+        overlap, normal, friction = wall_at(
+            wall, body[i][RADIUS], motion[i][X], motion[i][Y], motion[i][Z], constants
+        )
+        if overlap > 0.0:
+            rolling_friction = constants[ROLLING_FRICTION]
+            if wall >= 3:
+                rolling_friction = ti.min(rolling_friction, friction)
+            pushed, turned, _rolling = boundary_force(
+                features,
+                i,
+                overlap,
+                normal,
+                nothing,
+                nothing,
+                friction,
+                rolling_friction,
+                memory,
+                m,
+                constants,
+                motion,
+                body,
+            )
+            force += pushed
+            moment += turned
+        else:
+            keep(memory, m, SHEAR, nothing)
+            keep(memory, m, ROLL, nothing)
+    return force, moment
+
+
+@ti.func
+def tool_force(
+    features: ti.template(),
+    i,
+    c,
+    constants: Ref,
+    tool: Ref,
+    parts: Ref,
+    tool_parts: Ref,
+    motion: Ref,
+    body: Ref,
+    memory: Ref,
+    reaction: Ref,
+):
+    """Force and moment on grain `i` of its tool contact `c`; what the tool feels goes to `reaction`.
+
+    Counter-clockwise in the (x, z) plane, which is how the tool counts, is about -y.
+    """
+    part = tool_parts[c]
+    x, z = motion[i][X], motion[i][Z]
+    qx, qz, foreign = nearest_on_part(part, x, z, tool, parts)
+    dx, dz = qx - x, qz - z
+    square, reach = dx * dx + dz * dz, body[i][RADIUS] + parts[part][PART_RADIUS]
+    nothing = ti.Vector([0.0, 0.0, 0.0])
+    force, moment, about_axle = nothing, nothing, 0.0
+    if square < reach * reach and square > 0.0 and not foreign:
+        distance = ti.sqrt(square)
+        normal, overlap = ti.Vector([dx / distance, 0.0, dz / distance]), reach - distance
+        arm = body[i][RADIUS] - 0.5 * overlap
+        # where they touch, seen from the tool's reference point
+        lx, lz = x + arm * normal[0] - tool[TOOL_X], z + arm * normal[2] - tool[TOOL_Z]
+        spin = tool[TOOL_SPIN]
+        pushed, turned, rolling = boundary_force(
+            features,
+            i,
+            overlap,
+            normal,
+            ti.Vector([tool[TOOL_VX] - spin * lz, 0.0, tool[TOOL_VZ] + spin * lx]),
+            ti.Vector([0.0, -spin, 0.0]),
+            constants[TOOL_FRICTION],
+            constants[ROLLING_FRICTION],
+            memory,
+            c,
+            constants,
+            motion,
+            body,
+        )
+        force, moment = pushed, turned
+        about_axle = lz * force[0] - lx * force[2] + rolling[1]
+    else:
+        keep(memory, c, SHEAR, nothing)
+        keep(memory, c, ROLL, nothing)
+    reaction[c][0], reaction[c][1], reaction[c][2] = -force[0], -force[2], about_axle
+    return force, moment
+
+
+@ti.func
+def move_grain(
+    features: ti.template(),
+    i,
+    constants: Ref,
+    motion: Ref,
+    body: Ref,
+    first_contact: Ref,
+    contacts: Ref,
+    pair_load: Ref,
+    near_wall: Ref,
+    wall_memory: Ref,
+    near_tool: Ref,
+    first_tool_contact: Ref,
+    tool: Ref,
+    parts: Ref,
+    tool_parts: Ref,
+    tool_memory: Ref,
+    reaction: Ref,
+):
+    """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
+    force, moment = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
+    if near_wall[i] != 0:
+        force, moment = wall_forces(features, i, constants, motion, body, wall_memory)
+    for c in range(first_contact[i], first_contact[i + 1]):
+        p, end = contacts[c] >> 1, contacts[c] & 1
+        sign = 1.0 - 2.0 * end
+        for k in ti.static(range(3)):
+            force[k] += sign * pair_load[p][FORCE + k]
+            moment[k] += pair_load[p][MOMENT_1 + 3 * end + k]
+    near = near_tool[i]
+    if near >= 0:
+        for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
+            pushed, turned = tool_force(
+                features, i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction
+            )
+            force += pushed
+            moment += turned
+    dt, drag = constants[TIME_STEP], constants[DRAG]
+    gravity = ti.Vector([constants[GRAVITY_X], 0.0, constants[GRAVITY_Z]])
+    velocity, spin = three(motion, i, VX), three(motion, i, WX)
+    velocity += dt * (force / body[i][MASS] + gravity - drag * velocity)
+    spin += dt * (moment / body[i][INERTIA] - drag * spin)
+    keep(motion, i, VX, velocity)
+    keep(motion, i, WX, spin)
+    keep(motion, i, X, three(motion, i, X) + dt * velocity)
+    motion[i][ANGLE] -= dt * spin[1]
+
+
+@ti.kernel
+def advance(
+    steps: ti.template(),
+    features: ti.template(),
+    constants: Row,
+    grain_count: ti.i32,
+    pair_count: ti.i32,
+    tool_contact_count: ti.i32,
+    motion: _rows(10),
+    body: _rows(4),
+    pairs: _rows(2, ti.i32),
+    pair_body: _rows(2),
+    pair_memory: _rows(MEMORY),
+    pair_load: _rows(9),
+    first_contact: Index,
+    contacts: Index,
+    near_wall: Index,
+    wall_memory: _rows(MEMORY),
+    near_tool: Index,
+    first_tool_contact: Index,
+    tool: Row,
+    parts: _rows(6),
+    tool_parts: Index,
+    tool_memory: _rows(MEMORY),
+    reaction: _rows(3),
+):
+    """So many steps in one launch, as of discs."""
+    for step in ti.static(range(steps)):
+        for p in range(pair_count + ti.static(int(step > 0))):
+            if p < pair_count:
+                pair_forces(features, p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
+            else:
+                move_tool(constants, tool, reaction, tool_contact_count)
+        for i in range(grain_count):
+            move_grain(
+                features,
+                i,
+                constants,
+                motion,
+                body,
+                first_contact,
+                contacts,
+                pair_load,
+                near_wall,
+                wall_memory,
+                near_tool,
+                first_tool_contact,
+                tool,
+                parts,
+                tool_parts,
+                tool_memory,
+                reaction,
+            )
+    ti.loop_config(serialize=True)
+    for _only in range(1):
+        move_tool(constants, tool, reaction, tool_contact_count)
+
+
+@ti.kernel
+def greatest_shift_and_speed(grain_count: ti.i32, motion: _rows(10), listed: _rows(3)) -> Two:
+    """Greatest squared distance (m2) of a grain from where it was when its neighbours were listed, and speed.
+
+    A grain that is no longer a number counts as infinitely far.
+    """
+    shift, speed = 0.0, 0.0
+    for i in range(grain_count):
+        square = (three(motion, i, X) - three(listed, i, 0)).norm_sqr()
+        if not square < FAR:
+            square = FAR
+        ti.atomic_max(shift, square)
+        ti.atomic_max(speed, three(motion, i, VX).norm_sqr())
+    return ti.Vector([shift, speed])
