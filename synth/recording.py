@@ -9,6 +9,8 @@ if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
 
+    from synth.implements import Shape
+
 SCHEMA_VERSION = 1
 
 # name: (dimensions, unit, meaning)
@@ -60,6 +62,26 @@ VARIABLES = {
         "moment of the soil about the axle, counter-clockwise positive: resists driving",
     ),
 }
+# Of a wheel with an elastic rim.
+RIM_VARIABLES = {
+    "rim_x": (("frame", "node"), "m", "position along the bin of a point of the rim's middle line"),
+    "rim_z": (("frame", "node"), "m", "height of the point"),
+    "deflection": (
+        ("sample",),
+        "m",
+        "how much nearer the axle is to the rim's lowest point than the unloaded radius",
+    ),
+    "contact_length": (
+        ("sample",),
+        "m",
+        "horizontal extent of the contacts that carry the middle 95 % of the upward force",
+    ),
+    "rolling_radius": (
+        ("sample",),
+        "m",
+        "mean speed of the rim over the contact, as seen from the axle, / angular velocity",
+    ),
+}
 # Where a scene asks for them (`timing.record_contacts`): a ragged array, frame after frame.
 CONTACT_VARIABLES = {
     "contact_count": (("frame",), "1", "number of the frame's contacts between particles"),
@@ -97,6 +119,8 @@ FORCE_COLUMNS = {
     "force_z": "force_z",
     "torque": "torque",
 }
+RIM_COLUMNS = ("deflection", "contact_length", "rolling_radius")
+"""Columns of `forces.csv` after those, where there is an elastic rim."""
 
 
 @dataclass(frozen=True)
@@ -110,7 +134,8 @@ class Recording:
     ----------
     data : xarray.Dataset
         The variables of `VARIABLES`, over `frame`, `particle` and `sample`; and, or not, those of
-        `CONTACT_VARIABLES`, over `frame` and `contact`, and of `SLAB_VARIABLES`. Attributes:
+        `CONTACT_VARIABLES`, over `frame` and `contact`, of
+        `SLAB_VARIABLES`, and of `RIM_VARIABLES`, over `frame` and `node`, and `sample`. Attributes:
         `schema_version`, `simulation_hash`, `surface_height` (m), `solid_fraction`, and what the simulator
         reports of its own
         soundness (`synth.dem.soundness`): `inertial_number_median`, `inertial_number_p95`, `mean_pressure`
@@ -127,6 +152,7 @@ class Recording:
         import xarray as xr
 
         known = VARIABLES | (CONTACT_VARIABLES if "contact_count" in arrays else {})
+        known |= RIM_VARIABLES if "rim_x" in arrays else {}
         known |= SLAB_VARIABLES if "position_y" in arrays else {}
         if set(arrays) != set(known):
             raise ValueError(f"variables missing or unknown: {sorted(set(arrays) ^ set(known))}")
@@ -167,14 +193,26 @@ class Recording:
 
     def write_forces(self, path: str | Path) -> None:
         """Write `forces.csv`: one line a record, units in the header."""
-        columns = {
-            f"{column} [{VARIABLES[name][1]}]": self.data[name].values
-            for column, name in FORCE_COLUMNS.items()
-        }
+        units = {name: unit for name, (_, unit, _) in (VARIABLES | RIM_VARIABLES).items()}
+        names = FORCE_COLUMNS | {name: name for name in RIM_COLUMNS if name in self.data}
+        columns = {f"{column} [{units[name]}]": self.data[name].values for column, name in names.items()}
         with Path(path).open("w", newline="", encoding="utf-8") as file:
             writer = csv.writer(file)
             writer.writerow(columns)
             writer.writerows([f"{value:.9g}" for value in row] for row in zip(*columns.values(), strict=True))
+
+    def section(self, shape: "Shape", frame: int) -> "Shape":
+        """An implement's `shape` as it stands at a frame about its reference point: turned, or deformed."""
+        import numpy as np
+
+        from synth.implements.compliant_wheel import rim_shape
+
+        state = self.data.isel(frame=frame)
+        if "rim_x" not in state:
+            return shape.turned(float(state["implement_angle"]))
+        at = float(state["implement_x"]), float(state["implement_z"])
+        nodes = np.stack([state["rim_x"].values, state["rim_z"].values], axis=1) - at
+        return rim_shape(nodes, float(shape.radius[0]))
 
     def contacts(self, frame: int) -> "xr.Dataset | None":
         """The forces between particles at a frame, over `contact`; None where they were not recorded."""
@@ -208,7 +246,7 @@ class Recording:
         import hashlib
 
         digest = hashlib.sha256()
-        for name in VARIABLES | CONTACT_VARIABLES | SLAB_VARIABLES:
+        for name in VARIABLES | RIM_VARIABLES | CONTACT_VARIABLES | SLAB_VARIABLES:
             if name in self.data:
                 digest.update(self.data[name].values.tobytes())
         return digest.hexdigest()

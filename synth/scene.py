@@ -2,6 +2,7 @@
 
 import hashlib
 import json
+import math
 import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -18,7 +19,7 @@ from synth.analytic.settings import (
 )
 from synth.camera.settings import Camera, Lens, Light, Nuisance, Sensor, Texture
 from synth.drive import Drive, Program
-from synth.implements import Implement, Plate
+from synth.implements import CompliantWheel, Implement, Plate
 from synth.scene_files import scene_names, scenes_folder, soil_names
 from synth.soil import Soil
 from synth.table import Table, kinds_of
@@ -27,6 +28,8 @@ SCHEMA_VERSION = 1
 GRAVITY = 9.81
 """Acceleration of gravity on Earth, m/s2, where a scene does not say otherwise."""
 
+_LOOSEST = 0.74
+"""Solid fraction of discs, at least."""
 _PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "nuisance", "grains"}
 _LABELS = {"name", "description", "quick"}
 _LONGEST_SHOWN = 80
@@ -194,6 +197,21 @@ class SoilBinScene(_Scene):
     def simulated_width(self) -> float:
         """Width of what is simulated, m: a slab's thickness; 1 for discs, all of which is per metre."""
         return self.bed.thickness or 1.0
+
+    @model_validator(mode="after")
+    def _rim_keeps_up(self) -> Self:
+        if isinstance(self.implement, CompliantWheel):
+            from synth.dem.contact_law import contact_time
+
+            stiffness, smallest = (
+                self.contact.normal_stiffness,
+                self.bed.grain_diameter * (1 - self.bed.polydispersity),
+            )
+            # The bed's solid fraction is not known yet: no less than this.
+            mass = self.soil.bulk_density / _LOOSEST * 0.25 * math.pi * smallest**2
+            step = contact_time(mass, stiffness) / self.contact.steps_per_contact
+            self.implement.check_time_step(step, contact_stiffness=stiffness, grain_diameter=smallest)
+        return self
 
     @property
     def program(self) -> Program:

@@ -297,7 +297,7 @@ def _filled_voids(covered: "Cover") -> "np.ndarray":
 def _add_implement(
     arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_face: "ImplementFace"
 ) -> None:
-    """Fill in the implement's own rigid motion at its pixels, and the distance to it everywhere."""
+    """Fill in the implement's own motion at its pixels, and the distance to it everywhere."""
     import numpy as np
 
     mask = arrays["implement"]
@@ -305,13 +305,37 @@ def _add_implement(
     ideal_x, ideal_y = face.view.undistorted(columns, rows)
     off_x, off_y = ideal_x - face.x, ideal_y - face.y
     move_x, move_y, cosine_less_one, sine = _rigid_motion(face, next_face)
-    to_x = ideal_x + move_x + cosine_less_one * off_x - sine * off_y
-    to_y = ideal_y + move_y + sine * off_x + cosine_less_one * off_y
+    bent_x, bent_y = _bending(face, next_face, off_x, off_y)
+    to_x = ideal_x + move_x + cosine_less_one * off_x - sine * off_y + bent_x
+    to_y = ideal_y + move_y + sine * off_x + cosine_less_one * off_y + bent_y
     to_x, to_y = next_face.view.distorted(to_x, to_y)
     arrays["u"][mask], arrays["v"][mask] = to_x - columns, to_y - rows
     arrays["rotation"][mask] = next_face.angle - face.angle
     arrays["strain_rate"][mask] = 0
     arrays["distance_to_implement"] = face.distance()
+
+
+def _bending(
+    face: "ImplementFace", next_face: "ImplementFace", off_x: "np.ndarray", off_y: "np.ndarray"
+) -> "np.ndarray":
+    """What an elastic rim adds to the rigid motion at offsets from the axle, px, shape (2, n)."""
+    import numpy as np
+
+    from synth.camera import rim_face
+
+    if len(face.rim) == 1:
+        return np.zeros((2, 1))
+    points = _turned(np.stack([off_x, off_y], axis=1), -face.angle)
+    following = rim_face.deformed_points(next_face.rim, rim_face.material_points(face.rim, points))
+    return _turned(following - points, next_face.angle).T
+
+
+def _turned(points: "np.ndarray", angle: float) -> "np.ndarray":
+    """Points (n, 2) turned from x towards y."""
+    import numpy as np
+
+    sine, cosine = np.sin(angle), np.cos(angle)
+    return points @ np.array([[cosine, sine], [-sine, cosine]])
 
 
 def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[float, float, float, float]:

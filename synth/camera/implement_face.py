@@ -3,8 +3,9 @@
 from dataclasses import dataclass, replace
 from typing import TYPE_CHECKING
 
+from synth.camera import rim_face
 from synth.camera.view import View
-from synth.implements import Plate, RigidWheel, Shape
+from synth.implements import CompliantWheel, Plate, RigidWheel, Shape
 
 if TYPE_CHECKING:
     import numpy as np
@@ -30,6 +31,8 @@ class ImplementFace:
         px; 0 for what is no wheel and has a plain side.
     view : View
         Whose image coordinates these are, had it an ideal lens.
+    rim : (A, 4) float64
+        How an elastic rim is deformed (`rim_face.rim_table`); one row of zeros for what is rigid.
     """
 
     x: float
@@ -38,6 +41,7 @@ class ImplementFace:
     parts: "np.ndarray"
     wheel_radius: float
     view: View
+    rim: "np.ndarray"
 
     def padded(self, pad: int) -> "ImplementFace":
         """The same in a picture with `pad` px more on every side."""
@@ -65,8 +69,22 @@ def face_of(scene: "Scene", recording: "Recording", frame: int, view: View) -> I
     turn = float(data["implement_angle"].values[frame])
     x, y = view.to_ideal(*at)
     radius = implement.radius if isinstance(implement, RigidWheel) else 0.0
-    parts = _parts_in_view(implement.shape.turned(turn), at, view)
-    return ImplementFace(x, y, view.angle_to_image(turn), parts, view.length_to_image(radius), view)
+    parts = _parts_in_view(recording.section(implement.shape, frame), at, view)
+    angle = view.angle_to_image(turn)
+    rim = rim_face.rigid()
+    if isinstance(implement, CompliantWheel):
+        rim = _rim_in_view(parts, angle, implement.shape, view)
+    return ImplementFace(x, y, angle, parts, view.length_to_image(radius), view, rim)
+
+
+def _rim_in_view(parts: "np.ndarray", angle: float, unloaded: Shape, view: View) -> "np.ndarray":
+    """Table of the deformed rim whose capsules are `parts`."""
+    import numpy as np
+
+    sine, cosine = np.sin(angle), np.cos(angle)
+    nodes = parts[:, 0:2] @ np.array([[cosine, -sine], [sine, cosine]])  # into the wheel's frame
+    before = _parts_in_view(unloaded, (0.0, 0.0), view)[:, 0:2]
+    return rim_face.rim_table(nodes, before, float(parts[0, 4]))
 
 
 def _parts_in_view(shape: Shape, at: tuple[float, float], view: View) -> "np.ndarray":

@@ -15,6 +15,7 @@ RIM = 0.05
 """Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
+_f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
@@ -112,6 +113,7 @@ def implement_radiance(
     y: ti.f64,
     wheel_radius: ti.f64,
     angle: ti.f64,
+    rim: _f64_table,
     grain: ti.f64,
     view: projection.numbers,
     sampling: ti.template(),
@@ -121,13 +123,42 @@ def implement_radiance(
 ):
     """Light of the implement's side, marked with blotches of `grain` px; a wheel has rim, hub and spokes.
 
+    `rim` is the table of `synth.camera.rim_face`: marks stay on the material.
+
     These are smooth over a pixel, so one value serves all of a pixel's samples; its outline does not.
     """
     cosine, sine = ti.cos(angle), ti.sin(angle)
     for row in range(samples.shape[0] // sampling):
         _implement_row(
-            row, samples, x, y, wheel_radius, cosine, sine, grain, view, sampling, margin, light, radiance
+            row,
+            samples,
+            x,
+            y,
+            wheel_radius,
+            cosine,
+            sine,
+            rim,
+            grain,
+            view,
+            sampling,
+            margin,
+            light,
+            radiance,
         )
+
+
+@ti.func
+def _rim_displacement(rim: ti.template(), x, y):
+    """How far the side at (x, y) is from where it is unloaded, px: see `synth.camera.rim_face`."""
+    count = rim.shape[0]
+    place = (ti.atan2(y, x) / (2.0 * math.pi) + 0.5) * count
+    first = ti.cast(ti.floor(place), ti.i32)
+    part, a, b = place - first, first % count, (first + 1) % count
+    radius = (1.0 - part) * rim[a, 0] + part * rim[b, 0]
+    hub = rim[a, 3]
+    share = ti.min(ti.max((ti.sqrt(x * x + y * y) - hub) / (radius - hub), 0.0), 1.0)
+    along, down = (1.0 - part) * rim[a, 1] + part * rim[b, 1], (1.0 - part) * rim[a, 2] + part * rim[b, 2]
+    return ti.Vector([share * along, share * down])
 
 
 @ti.func
@@ -139,6 +170,7 @@ def _implement_row(
     wheel_radius,
     cosine,
     sine,
+    rim: ti.template(),
     grain,
     view,
     sampling: ti.template(),
@@ -154,6 +186,9 @@ def _implement_row(
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
             off_x, off_y = at[0] - x, at[1] - y
             body_x, body_y = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
+            if rim.shape[0] > 1:
+                moved = _rim_displacement(rim, body_x, body_y)
+                body_x, body_y = body_x - moved[0], body_y - moved[1]
             pattern = 1.0
             if wheel_radius > 0.0:
                 pattern = _wheel_pattern(body_x / wheel_radius, body_y / wheel_radius)

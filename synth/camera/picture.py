@@ -158,6 +158,7 @@ def _light_implement(scene: "Scene", covered: Cover, face: "ImplementFace", radi
         face.y,
         face.wheel_radius,
         face.angle,
+        face.rim,
         covered.view.length_to_image(_BLOTCH),
         light_kernels.projection.numbers(covered.view.numbers),
         covered.sampling,

@@ -77,7 +77,7 @@ def _write_grains(path: Path, recording: Recording, frame: int) -> None:
 
 def _write_implement(path: Path, recording: Recording, frame: int, shape: Shape) -> None:
     state = recording.data.isel(frame=frame)
-    shape = shape.turned(float(state["implement_angle"]))
+    shape = recording.section(shape, frame)
     around = capsule_outlines(shape.only(~shape.closed))
     edges = np.stack([shape.start, shape.end], axis=1)[shape.closed]
     x, z = np.concatenate([around.reshape(-1, 2), edges.reshape(-1, 2)]).T

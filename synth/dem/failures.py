@@ -130,7 +130,8 @@ def check_implement(tool: "Tool", scene: SoilBinScene, start: "Tool") -> None:
     """Stop where the implement has flown up, sunk to the floor, or travelled into an end wall."""
     bed, reach = scene.bed, tool.shape.reach
     where = f"the implement at x = {tool.x:.4g} m, z = {tool.z:.4g} m"
-    if not np.isfinite([tool.x, tool.z, tool.angle, tool.velocity_z]).all():
+    rim = 0.0 if tool.nodes is None else float(np.abs(tool.nodes).max())
+    if not np.isfinite([tool.x, tool.z, tool.angle, tool.velocity_z, rim]).all():
         raise SimulationError(f"{where} is no longer a number", "take contact.steps_per_contact higher")
     if tool.lowest < bed.grain_diameter:
         raise SimulationError(
@@ -154,8 +155,9 @@ def check_inside(grains: "Grains", tool: "Tool", scene: SoilBinScene) -> None:
     if not tool.shape.closed.any():
         return
     offset = grains.in_plane.T - (tool.x, tool.z)
-    near = np.flatnonzero(np.hypot(*offset.T) < tool.shape.reach)
-    inside = near[tool.shape.turned(tool.angle).encloses(offset[near])]
+    section = tool.section
+    near = np.flatnonzero(np.hypot(*offset.T) < section.reach)
+    inside = near[section.encloses(offset[near])]
     if inside.size:
         raise SimulationError(
             f"{_grain(grains, int(inside[0]))} is inside the implement",

@@ -45,7 +45,7 @@ Row = ti.types.ndarray(ti.f64, ndim=1)
 Index = ti.types.ndarray(ti.i32, ndim=1)
 
 
-def _rows(size, dtype=ti.f64):
+def rows(size, dtype=ti.f64):
     """An array of records of so many numbers, each record in one piece of memory."""
     return ti.types.ndarray(ti.types.vector(size, dtype), ndim=1)
 
@@ -278,6 +278,27 @@ def move_grain(
     reaction: Ref,
 ):
     """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
+    load = grain_load(i, constants, motion, body, first_contact, contacts, pair_load, near_wall, wall_memory)
+    near = near_tool[i]
+    if near >= 0:
+        for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
+            load += tool_force(i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction)
+    step_grain(i, load, constants, motion, body)
+
+
+@ti.func
+def grain_load(
+    i,
+    constants: Ref,
+    motion: Ref,
+    body: Ref,
+    first_contact: Ref,
+    contacts: Ref,
+    pair_load: Ref,
+    near_wall: Ref,
+    wall_memory: Ref,
+):
+    """Force and moment on grain `i` of walls, then of other grains in the order of its contacts."""
     load = ti.Vector([0.0, 0.0, 0.0])
     if near_wall[i] != 0:
         load = wall_forces(i, constants, motion, body, wall_memory)
@@ -287,10 +308,12 @@ def move_grain(
         load[0] += sign * pair_load[p][PAIR_FX]
         load[1] += sign * pair_load[p][PAIR_FZ]
         load[2] += pair_load[p][PAIR_M1 + end]
-    near = near_tool[i]
-    if near >= 0:
-        for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
-            load += tool_force(i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction)
+    return load
+
+
+@ti.func
+def step_grain(i, load, constants: Ref, motion: Ref, body: Ref):
+    """One step of a grain's motion under a force and a moment."""
     dt, mass, drag = constants[TIME_STEP], body[i][MASS], constants[DRAG]
     motion[i][VX] += dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[i][VX])
     motion[i][VZ] += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[i][VZ])
@@ -331,23 +354,23 @@ def advance(
     grain_count: ti.i32,
     pair_count: ti.i32,
     tool_contact_count: ti.i32,
-    motion: _rows(6),
-    body: _rows(4),
-    pairs: _rows(2, ti.i32),
-    pair_body: _rows(2),
-    pair_memory: _rows(2),
-    pair_load: _rows(4),
+    motion: rows(6),
+    body: rows(4),
+    pairs: rows(2, ti.i32),
+    pair_body: rows(2),
+    pair_memory: rows(2),
+    pair_load: rows(4),
     first_contact: Index,
     contacts: Index,
     near_wall: Index,
-    wall_memory: _rows(2 * WALL_COUNT),
+    wall_memory: rows(2 * WALL_COUNT),
     near_tool: Index,
     first_tool_contact: Index,
     tool: Row,
-    parts: _rows(6),
+    parts: rows(6),
     tool_parts: Index,
-    tool_memory: _rows(2),
-    reaction: _rows(3),
+    tool_memory: rows(2),
+    reaction: rows(3),
 ):
     """So many steps in one launch, unrolled: each loop below is a parallel task of its own.
 
@@ -385,7 +408,7 @@ def advance(
 
 
 @ti.kernel
-def greatest_shift_and_speed(grain_count: ti.i32, motion: _rows(6), listed: _rows(2)) -> Two:
+def greatest_shift_and_speed(grain_count: ti.i32, motion: rows(6), listed: rows(2)) -> Two:
     """Greatest squared distance (m2) of a grain from where it was when its neighbours were listed, and speed.
 
     A grain that is no longer a number counts as infinitely far.

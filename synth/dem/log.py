@@ -7,10 +7,11 @@ import numpy as np
 
 from synth.dem.contacts import Contacts
 from synth.dem.grains import Grains, Spheres
+from synth.dem.rim import rim_state
 from synth.dem.solver import Solver
 from synth.dem.tool import Tool
 from synth.implements import RigidWheel
-from synth.recording import Recording
+from synth.recording import RIM_COLUMNS, Recording
 from synth.scene import SoilBinScene
 
 _SAMPLE = ("sample_time", "travel", "slip", "sinkage", "force_x", "force_z", "torque")
@@ -84,6 +85,8 @@ class Frame:
             "angle": grains.angle,
             "spin": grains.spin,
         }
+        if tool.nodes is not None and tool.node_velocity is not None:
+            arrays |= {"nodes": tool.nodes, "node_velocity": tool.node_velocity}
         if self.contacts is not None:
             arrays |= {f"contact_{name}": array for name, array in vars(self.contacts).items()}
         return arrays
@@ -100,10 +103,11 @@ class Frame:
             angle=arrays["angle"],
             spin=arrays["spin"],
         )
+        rim = replace(tool, nodes=arrays.get("nodes"), node_velocity=arrays.get("node_velocity"))
         contacts = None
         if "contact_pairs" in arrays:
             contacts = Contacts(*(arrays[f"contact_{name}"] for name in ("pairs", "normal", "tangential")))
-        return cls(replace(tool, **pose), moved, contacts)
+        return cls(replace(rim, **pose), moved, contacts)
 
 
 class RunLog:
@@ -113,7 +117,8 @@ class RunLog:
     ----------
     frames : list of Frame
     samples : list of tuple of float
-        Columns as in a recording: sample_time, travel, slip, sinkage, force_x, force_z, torque.
+        Columns as in a recording: sample_time, travel, slip, sinkage, force_x, force_z, torque; of a wheel
+        with an elastic rim also deflection, contact_length, rolling_radius.
     greatest_overlap : float
         Of two grains at the end of an interval / mean grain diameter.
     """
@@ -123,6 +128,7 @@ class RunLog:
     ) -> None:
         self._scene, self._schedule, self._surface = scene, schedule, surface
         self._tool, self._grains = tool, grains
+        self._columns = _SAMPLE if tool.ring is None else (*_SAMPLE, *RIM_COLUMNS)
         self.samples: list[tuple[float, ...]] = []
         self.frames: list[Frame] = []
         self.greatest_overlap = 0.0
@@ -143,8 +149,16 @@ class RunLog:
                 impulse.x * share,
                 impulse.z * share,
                 impulse.moment * share,
+                *self._of_rim(tool, solver),
             )
         )
+
+    def _of_rim(self, tool: Tool, solver: Solver) -> tuple[float, ...]:
+        """Deflection, contact length and rolling radius now; nothing of a rigid implement."""
+        if tool.ring is None:
+            return ()
+        state = rim_state(tool, solver.read_grains())
+        return state.deflection, state.contact_length, state.rolling_radius
 
     def frame(self, solver: Solver) -> None:
         """Record the states of grains and implement, and the forces between grains if the scene wants."""
@@ -152,7 +166,7 @@ class RunLog:
         self.frames.append(Frame(solver.read_tool(), solver.read_grains(), contacts))
 
     def restore(self, samples: np.ndarray, frames: list[dict[str, np.ndarray]], overlap: float) -> None:
-        """Take up what a run had collected: samples (S, 7), frames as `Frame.to_arrays` gave them."""
+        """Take up what a run had collected: samples (S, columns), frames as `Frame.to_arrays` gave them."""
         self.samples = [tuple(row) for row in samples.tolist()]
         self.frames = [Frame.of_arrays(frame, self._tool, self._grains) for frame in frames]
         self.greatest_overlap = overlap
@@ -163,6 +177,7 @@ class RunLog:
         arrays = {
             **self._frame_arrays(),
             **self._slab_arrays(),
+            **self._rim_arrays(),
             **self._contact_arrays(),
             **self.sample_arrays(),
         }
@@ -170,8 +185,17 @@ class RunLog:
 
     def sample_arrays(self) -> dict[str, np.ndarray]:
         """Records of force by name, each of shape (S,)."""
-        columns = np.array(self.samples, dtype=np.float64).reshape(-1, len(_SAMPLE)).T
-        return dict(zip(_SAMPLE, columns, strict=True))
+        columns = np.array(self.samples, dtype=np.float64).reshape(-1, len(self._columns)).T
+        return dict(zip(self._columns, columns, strict=True))
+
+    def _rim_arrays(self) -> dict[str, np.ndarray]:
+        """Where the nodes of an elastic rim are at every frame; nothing of a rigid implement."""
+        ring = self._tool.ring
+        if ring is None:
+            return {}
+        nodes = np.array([frame.tool.nodes for frame in self.frames], float)
+        nodes = nodes.reshape(len(self.frames), ring.node_count, 2)
+        return {"rim_x": nodes[:, :, 0].copy(), "rim_z": nodes[:, :, 1].copy()}
 
     def _contact_arrays(self) -> dict[str, np.ndarray]:
         """Forces between grains of all frames, one after the other; nothing where none are recorded."""

@@ -13,7 +13,7 @@ from synth.dem.log import RunLog, Schedule
 from synth.dem.solver import Solver
 from synth.dem.soundness import soundness_of
 from synth.dem.tool import Tool
-from synth.implements import RigidWheel
+from synth.implements import CompliantWheel, RigidWheel
 from synth.recording import Recording
 from synth.scene import SoilBinScene
 
@@ -123,7 +123,8 @@ def _touching_down(scene: SoilBinScene, grains: Grains) -> Tool:
         low, high = (low, middle) if clear(middle) else (middle, high)
     share = scene.simulated_width / implement.width
     mass = implement.moving_mass * share if isinstance(implement, RigidWheel) else 1.0
-    return Tool(shape=shape, x=start, z=high, mass=mass, heaves=scene.program.heaves)
+    ring = implement.ring if isinstance(implement, CompliantWheel) else None
+    return Tool(shape=shape, x=start, z=high, mass=mass, heaves=scene.program.heaves, ring=ring)
 
 
 def _drive(solver: Solver, scene: SoilBinScene, time: float) -> None:

@@ -11,6 +11,7 @@ from synth.dem.failures import SimulationError
 from synth.dem.grains import Grains, length_of
 from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
 from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours, neighbour_list_of
+from synth.dem.rim import rim_rows, ring_row, with_nodes
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.scene import GRAVITY
 
@@ -27,7 +28,7 @@ _MOST_UNWATCHED = 16
 _FINER = "take contact.steps_per_contact higher, or timing.speed_up or the load lower"
 _SAVED_ARRAYS = (
     "motion", "listed", "wall_memory", "near_wall", "tool",
-    "pair_memory", "pair_load", "tool_memory", "reaction",
+    "pair_memory", "pair_load", "tool_memory", "reaction", "ring", "rim", "node_force",
 )  # fmt: skip
 """Arrays on the device that cannot be had again from others."""
 
@@ -84,6 +85,8 @@ class Solver:
         self._tool = self._array(_tool_row(self.tool))
         self._parts = self._array(_part_rows(self.tool))
         self._constants = self._array(layout.constants(self))
+        self._ring = self._array(ring_row(self.tool))
+        self._rim = self._array(rim_rows(self.tool))
         self._neighbours: NeighbourList | None = None
         self._listed_tool: Tool | None = None
         self._tool_contacts = ToolContacts.none(grains.count)
@@ -100,6 +103,7 @@ class Solver:
         self._tool_parts: Any = None
         self._tool_memory = self._array(np.zeros((1, layout.memory)))
         self._reaction: Any = None
+        self._node_force: Any = None
         self._unwatched, self._watch_after = 0, 1
         self._list_neighbours()
 
@@ -147,8 +151,9 @@ class Solver:
         if self.tool is None:
             raise ValueError("this solver has no implement")
         row = self._tool.to_numpy()
+        tool = self.tool if self.tool.ring is None else with_nodes(self.tool, self._rim.to_numpy())
         return replace(
-            self.tool,
+            tool,
             x=row[k.TOOL_X],
             z=row[k.TOOL_Z],
             angle=row[k.TOOL_ANGLE],
@@ -167,6 +172,12 @@ class Solver:
         for row in rows:
             self._tool[row] = 0.0
         return impulse
+
+    def hub_impulse(self) -> ToolImpulse:
+        """What an elastic rim has done to the hub since the start."""
+        from synth.dem import rim_kernels as k
+
+        return ToolImpulse(*(float(self._ring[entry]) for entry in (k.HUB_PX, k.HUB_PZ, k.HUB_PM)))
 
     def read_grains(self) -> Grains:
         """The grains as they are now."""
@@ -197,6 +208,7 @@ class Solver:
             "time": np.array(self.time),
             "watch_after": np.array(self._watch_after),
             "listed_tool": np.array([] if listed is None else [listed.x, listed.z, listed.angle]),
+            "listed_nodes": np.zeros((0, 2)) if listed is None or listed.nodes is None else listed.nodes,
             "pairs": self._neighbours.pairs,
             "tool_near": contacts.near_tool,
             "tool_first": contacts.first_contact,
@@ -218,11 +230,16 @@ class Solver:
         self._put_lists_on_device()
         if self.tool is not None:
             x, z, angle = state["listed_tool"].tolist()
-            self._listed_tool = replace(self.read_tool(), x=x, z=z, angle=angle)
+            nodes = state["listed_nodes"] if self.tool.ring is not None else None
+            self._listed_tool = replace(self.read_tool(), x=x, z=z, angle=angle, nodes=nodes)
 
     def _launch(self, steps: int) -> None:
+        from synth.dem import rim_kernels
+
         assert self._neighbours is not None
-        self._layout.kernels.advance(
+        elastic = self.tool is not None and self.tool.ring is not None
+        advance = rim_kernels.advance if elastic else self._layout.kernels.advance
+        advance(
             steps,
             self._layout.features,
             self._constants,
@@ -246,6 +263,7 @@ class Solver:
             self._tool_parts,
             self._tool_memory,
             self._reaction,
+            *((self._ring, self._rim, self._node_force) if elastic else ()),
         )
 
     def _watch(self) -> None:
@@ -263,7 +281,7 @@ class Solver:
         tool_shift = self._tool_shift()
         if tool_shift > 0.5 * self._skin:
             raise SimulationError(f"the implement moved {tool_shift:.3g} m in a few time steps", _FINER)
-        shift = max(shift, tool_shift)
+        shift, speed = max(shift, tool_shift), max(speed, self._rim_speed())
         left = _REBUILD_AT * self._skin - shift
         reach = max(speed * self.time_step * k.STEPS_PER_LAUNCH, 1e-9 * self._skin)
         self._unwatched, self._watch_after = 0, min(_MOST_UNWATCHED, max(1, int(0.5 * left / reach)))
@@ -272,6 +290,12 @@ class Solver:
 
     def _tool_shift(self) -> float:
         return 0.0 if self._listed_tool is None else self.read_tool().shift_since(self._listed_tool)
+
+    def _rim_speed(self) -> float:
+        """Of the fastest node, m/s; 0 without a rim."""
+        if self.tool is None or self.tool.ring is None:
+            return 0.0
+        return float(np.hypot(*self._rim.to_numpy()[:, 2:4].T).max())
 
     def _blow_up(self) -> str:
         listed, grains = self._listed.to_numpy().T, self.read_grains()
@@ -315,6 +339,7 @@ class Solver:
         self._tool_contacts = new
         self._tool_memory = self._refilled(self._tool_memory, memory)
         self._reaction = self._refilled(self._reaction, np.zeros((new.keys.size, 3)))
+        self._node_force = self._refilled(self._node_force, np.zeros((new.keys.size, 4)))
 
     def _put_lists_on_device(self) -> None:
         """What follows from the lists of pairs and of contacts with the implement."""

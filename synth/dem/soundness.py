@@ -20,7 +20,7 @@ from synth.dem.contact_law import ContactLaw, Law, shortest_contact, spring_forc
 from synth.dem.grains import Grains, length_of
 from synth.dem.log import Frame, RunLog
 from synth.dem.tool import Tool
-from synth.implements import RigidWheel, Shape
+from synth.implements import RigidWheel
 from synth.scene import GRAVITY, SoilBinScene
 
 _FRAMES = 8
@@ -161,7 +161,8 @@ def mean_pressure(scene: SoilBinScene, log: RunLog) -> float:
     """Mean pressure of the soil on the implement since the first frame, Pa; 0 where they do not touch.
 
     Under a wheel: upward force / width / horizontal length of the contact from where the rim enters the soil
-    to its lowest point, ``sqrt(2 R s - s^2)`` at sinkage s. On another implement: resultant force / width /
+    to its lowest point, ``sqrt(2 R s - s^2)`` at sinkage s; under one with an elastic rim, of the contact as
+    measured. On another implement: resultant force / width /
     depth of its lowest point.
     """
     columns = log.sample_arrays()
@@ -170,6 +171,9 @@ def mean_pressure(scene: SoilBinScene, log: RunLog) -> float:
     implement = scene.implement
     if sinkage <= 0:
         return 0.0
+    if "contact_length" in columns:
+        length = float(columns["contact_length"][recorded].mean())
+        return max(0.0, upward) / implement.width / length if length > 0 else 0.0
     if isinstance(implement, RigidWheel):
         radius = implement.shape.reach
         depth = min(sinkage, radius)
@@ -228,8 +232,7 @@ def virials(grains: Grains, tool: Tool, law: Law) -> np.ndarray:
 
 def _gaps_to(tool: Tool, grains: Grains) -> np.ndarray:
     """Distance of grains' centres to every capsule of the implement, m, shape (N, C)."""
-    shape: Shape = tool.shape.turned(tool.angle)
-    return shape.distance_to_capsules(grains.in_plane.T - (tool.x, tool.z))
+    return tool.section.distance_to_capsules(grains.in_plane.T - (tool.x, tool.z))
 
 
 def _moving(frame: Frame) -> np.ndarray:

@@ -40,9 +40,9 @@ from synth.dem.kernels import (
     Ref,
     Row,
     Two,
-    _rows,
     move_tool,
     nearest_on_part,
+    rows,
 )
 
 # components of `motion`
@@ -410,23 +410,23 @@ def advance(
     grain_count: ti.i32,
     pair_count: ti.i32,
     tool_contact_count: ti.i32,
-    motion: _rows(10),
-    body: _rows(4),
-    pairs: _rows(2, ti.i32),
-    pair_body: _rows(2),
-    pair_memory: _rows(MEMORY),
-    pair_load: _rows(9),
+    motion: rows(10),
+    body: rows(4),
+    pairs: rows(2, ti.i32),
+    pair_body: rows(2),
+    pair_memory: rows(MEMORY),
+    pair_load: rows(9),
     first_contact: Index,
     contacts: Index,
     near_wall: Index,
-    wall_memory: _rows(MEMORY),
+    wall_memory: rows(MEMORY),
     near_tool: Index,
     first_tool_contact: Index,
     tool: Row,
-    parts: _rows(6),
+    parts: rows(6),
     tool_parts: Index,
-    tool_memory: _rows(MEMORY),
-    reaction: _rows(3),
+    tool_memory: rows(MEMORY),
+    reaction: rows(3),
 ):
     """So many steps in one launch, as of discs."""
     for step in ti.static(range(steps)):
@@ -461,7 +461,7 @@ def advance(
 
 
 @ti.kernel
-def greatest_shift_and_speed(grain_count: ti.i32, motion: _rows(10), listed: _rows(3)) -> Two:
+def greatest_shift_and_speed(grain_count: ti.i32, motion: rows(10), listed: rows(3)) -> Two:
     """Greatest squared distance (m2) of a grain from where it was when its neighbours were listed, and speed.
 
     A grain that is no longer a number counts as infinitely far.

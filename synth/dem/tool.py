@@ -6,6 +6,8 @@ import numpy as np
 
 from synth.dem.grains import Grains
 from synth.implements import Shape
+from synth.implements.compliant_wheel import rim_shape
+from synth.implements.ring import Ring
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,6 +29,10 @@ class Tool:
         Presses it down, N/m.
     heaves : bool
         It rises and sinks under its load, else at `velocity_z`.
+    ring : Ring or None
+        Its elastic rim; `mass` is then without that.
+    nodes, node_velocity : ndarray or None, shape (N, 2)
+        The rim's nodes in the world, m, and their velocities, m/s; None: unloaded, and moving with the hub.
     """
 
     shape: Shape
@@ -39,14 +45,26 @@ class Tool:
     mass: float = 1.0
     load: float = 0.0
     heaves: bool = False
+    ring: Ring | None = None
+    nodes: np.ndarray | None = None
+    node_velocity: np.ndarray | None = None
+
+    @property
+    def section(self) -> Shape:
+        """The shape as it stands about the reference point: turned, and deformed where it is elastic."""
+        if self.ring is None or self.nodes is None:
+            return self.shape.turned(self.angle)
+        return rim_shape(self.nodes - (self.x, self.z), self.ring.half_thickness)
 
     @property
     def lowest(self) -> float:
         """Height of its lowest point, m."""
-        return self.z + self.shape.turned(self.angle).lowest
+        return self.z + self.section.lowest
 
     def shift_since(self, other: "Tool") -> float:
         """Bound of how far any point of its surface has moved since another pose, m."""
+        if self.nodes is not None and other.nodes is not None:  # a bar moves no further than its ends
+            return float(np.hypot(*(self.nodes - other.nodes).T).max())
         arm = np.hypot(*np.concatenate([self.shape.start, self.shape.end]).T).max()
         travel = np.hypot(self.x - other.x, self.z - other.z)
         return float(travel + arm * abs(self.angle - other.angle))
@@ -100,9 +118,9 @@ def list_tool_contacts(grains: Grains, position: np.ndarray, tool: Tool, skin: f
         Where the grains are now along the bin and upwards, m.
     """
     offset = position.T - (tool.x, tool.z)
-    around = np.flatnonzero(np.hypot(*offset.T) < tool.shape.reach + grains.radius + skin)
-    turned = tool.shape.turned(tool.angle)
-    gap = turned.distance_to_capsules(offset[around]) - grains.radius[around, None]
+    section = tool.section
+    around = np.flatnonzero(np.hypot(*offset.T) < section.reach + grains.radius + skin)
+    gap = section.distance_to_capsules(offset[around]) - grains.radius[around, None]
     place, part = np.nonzero(gap < skin)
     grain = around[place]
     near, count = np.unique(grain, return_counts=True)

@@ -29,3 +29,22 @@ def tiny_wheel() -> SoilBinScene:
     tables["timing"] |= {"frame_count": 4}
     tables["camera"] |= {"width": 320, "height": 160, "centre_z": 0.022}
     return parse_scene(tables)
+
+
+@pytest.fixture(scope="session")
+def tiny_rim(tiny_wheel) -> SoilBinScene:
+    """The same with an elastic rim, which gives way by a sixth of the radius."""
+    tables = tiny_wheel.to_dict()
+    tables["name"] = "tiny_rim"
+    tables["implement"] |= {
+        "kind": "compliant_wheel",
+        "deflection": 0.005,
+        "node_count": 60,
+        "rim_thickness": 2e-3,
+        "rim_mass": 0.05,
+        "bending_stiffness": 0.01,
+        "hoop_stiffness": 1e5,
+        "tangential_stiffness_ratio": 0.5,
+        "damping_ratio": 1.0,
+    }
+    return parse_scene(tables)

@@ -39,7 +39,7 @@ def lattice_recording(field, *, frames=5, implement_z=0.2, travel=SPEED, rate=8.
 def test_every_study_is_found_by_its_name():
     for name in STUDIES:
         study = find_study(name)
-        assert study.scene in ("rolling_wheel", "grouser_wheel") and study.columns
+        assert study.scene in ("rolling_wheel", "grouser_wheel", "compliant_wheel") and study.columns
     with pytest.raises(ValueError, match="study 'weather': allowed are grain-size, "):
         find_study("weather")
 
