@@ -78,7 +78,7 @@ def _wall_forces(solver: Solver, grains: Grains, memory: np.ndarray) -> np.ndarr
     for wall, overlap in enumerate(overlaps):
         normal = np.repeat(_INTO_WALL[wall][:, None], grains.count, axis=1)
         rim = grains.spin * (radius - overlap / 2)
-        spring = memory[2 * wall]
+        spring = memory[:, 2 * wall]
         force = _force(law, normal, overlap, grains.velocity, rim, damping, law.wall_friction, spring)
         forces[wall] = np.where(overlap > 0, force, 0.0)
     return forces

@@ -23,7 +23,7 @@ def scene(cases):
 def test_a_solid_is_filled_up_to_its_edges(taichi, cases, scene, turn, sense):
     case = cases.case(lambda x, z, frame: (x, z), implement=cases.centre, turn=turn)
     view = View(80, 60, 2e-4, *cases.centre)
-    distance = face_of(scene, case.recording, 0, view).distance(80, 60)
+    distance = face_of(scene, case.recording, 0, view).distance()
     y, x = np.mgrid[:60, :80]
     world_x, world_z = view.to_world(x, y)
     off_x, off_z = world_x - cases.centre[0], world_z - cases.centre[1]

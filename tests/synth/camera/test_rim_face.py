@@ -51,7 +51,7 @@ def recording_of(cases, scene, rims, turns):
 def test_a_flattened_rim_is_drawn_flat_below_and_round_elsewhere(taichi, cases, scene):
     recording = recording_of(cases, scene, [nodes_of(scene, turn=0.3, flat=FLAT)], [0.3])
     view = View(WIDTH, HEIGHT, PIXEL, *cases.centre)
-    inside = face_of(scene, recording, 0, view).distance(WIDTH, HEIGHT) == 0
+    inside = face_of(scene, recording, 0, view).distance() == 0
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     world_x, world_z = view.to_world(x, y)
     off_x, off_z = world_x - cases.centre[0], world_z - cases.centre[1]
@@ -63,16 +63,16 @@ def test_a_flattened_rim_is_drawn_flat_below_and_round_elsewhere(taichi, cases, 
 
 @pytest.mark.parametrize("turn", [0.0, 2.5])
 def test_samples_are_covered_as_the_capsules_say(taichi, cases, scene, turn):
-    from synth.camera import kernels
+    from synth.camera import cover_kernels as kernels
 
     recording = recording_of(cases, scene, [nodes_of(scene, turn=turn, flat=FLAT)], [turn])
     face = face_of(scene, recording, 0, View(WIDTH, HEIGHT, PIXEL, *cases.centre))
     samples = np.zeros((3 * HEIGHT, 3 * WIDTH), np.int32)
     centres = np.zeros((HEIGHT, WIDTH), np.int32)
-    pose = (face.x, face.y, face.parts, face.reach, face.angle, face.rim)
-    kernels.cover_by_implement(*pose, 3, 0, samples, centres)
+    numbers = kernels.projection.numbers(face.view.numbers)
+    kernels.cover_by_implement(face.x, face.y, face.parts, numbers, 3, 0, samples, centres)
     covered = samples[1::3, 1::3] == kernels.IMPLEMENT  # the middle one of a pixel is its centre
-    np.testing.assert_array_equal(covered, face.distance(WIDTH, HEIGHT) == 0)
+    np.testing.assert_array_equal(covered, face.distance() == 0)
     np.testing.assert_array_equal(covered, centres == kernels.IMPLEMENT)
     assert 0.2 < covered.mean() < 0.8
 
@@ -98,7 +98,7 @@ def test_truth_of_the_side_follows_the_rim(taichi, cases, scene, turn):
     view = View(WIDTH, HEIGHT, PIXEL, *cases.centre)
     face, following = (face_of(scene, recording, frame, view) for frame in (0, 1))
     arrays = {name: np.zeros((HEIGHT, WIDTH)) for name in ("u", "v", "rotation", "strain_rate")}
-    arrays["implement"] = face.distance(WIDTH, HEIGHT) == 0
+    arrays["implement"] = face.distance() == 0
     _add_implement(arrays, face, following)
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     off_x, off_y = x - face.x, y - face.y

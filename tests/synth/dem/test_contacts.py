@@ -57,7 +57,7 @@ def test_they_hold_grains_at_rest_up(scene):
     step = largest_time_step(grains.mass, law.normal_stiffness, 20)
     solver = Solver(grains, law, scene.bed.width, step, drag=200.0)
     assert solver.pair_forces().normal.size == 0
-    solver.advance(20_000)
+    solver.advance(60_000)
     (x, z), margin = solver.read_grains().position, scene.bed.grain_diameter
     clear = (x > margin) & (x < scene.bed.width - margin) & (z > margin)
     force = force_on_grains(solver.pair_forces(), solver.read_grains().position)[:, clear]

@@ -109,7 +109,7 @@ def test_steps_too_coarse_for_the_wheel_name_a_grain(tiny_wheel, monkeypatch):
     """A time step twenty times too long, which no scene can ask for."""
     from synth.dem import run
 
-    largest = run.largest_time_step
-    monkeypatch.setattr(run, "largest_time_step", lambda *args: 20 * largest(*args))
+    largest = run.time_step_of
+    monkeypatch.setattr(run, "time_step_of", lambda *args: 20 * largest(*args))
     with pytest.raises(SimulationError, match=r"stopped at t = .* laboratory: grain \d+ .*: take "):
         simulate(tiny_wheel)

@@ -164,7 +164,7 @@ def test_a_cylinders_stl_carries_the_load_of_the_wheel(tmp_path, tiny_wheel):
     rolled = simulate(parse_scene({**tiny_wheel.to_dict(), "implement": table}))
     forces, rigid = steady(rolled), steady(simulate(tiny_wheel))
     assert forces["sinkage"] == pytest.approx(rigid["sinkage"], abs=tiny_wheel.bed.grain_diameter)
-    assert forces["force_z"] == pytest.approx(wheel.normal_load, rel=0.05)
+    assert forces["force_z"] == pytest.approx(wheel.normal_load, rel=0.1)
     assert forces["torque"] > 0
     np.testing.assert_allclose(rolled.data.slip, tiny_wheel.drive.slip, rtol=1e-6)
 
@@ -200,7 +200,7 @@ def test_a_box_is_pushed_back_by_the_soil_it_cuts(tmp_path, tiny_wheel):
     drive = {"kind": "cutting", "speed": 0.01, "depth": 0.008, "start": 0.07, "run_in": 0.03}
     recording = simulate(parse_scene({**tiny_wheel.to_dict(), "implement": table, "drive": drive}))
     forces = steady(recording)
-    assert forces["force_x"] < 0 < forces["force_z"]
+    assert forces["force_x"] < -abs(forces["force_z"])
     assert forces["sinkage"] == pytest.approx(0.008, abs=1e-3)
     x, z = (recording.data[name].values[-1] for name in ("position_x", "position_z"))
     offset = np.stack([x, z], axis=1) - [float(recording.data[f"implement_{a}"][-1]) for a in "xz"]
