@@ -21,7 +21,7 @@ from synth.camera.settings import Camera, Lens, Light, Nuisance, Sensor, Texture
 from synth.drive import Drive, Program
 from synth.implements import CompliantWheel, Implement, Plate
 from synth.scene_files import scene_names, scenes_folder, soil_names
-from synth.soil import Soil
+from synth.soil import Soil, SoilFile
 from synth.table import Table, kinds_of
 
 SCHEMA_VERSION = 1
@@ -34,6 +34,8 @@ _PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "nuisance", "
 _LABELS = {"name", "description", "quick"}
 _LONGEST_SHOWN = 80
 """Characters of a value that a complaint shows."""
+_RIVALS = {"settling_friction": "relative_density", "relative_density": "settling_friction"}
+"""Keys that exclude each other: a file that gives one takes the other one's place in its base."""
 
 
 class SceneError(ValueError):
@@ -49,8 +51,11 @@ class Bed(Table):
     polydispersity: float = Field(
         ge=0, le=0.5, description="half-width of the uniform spread / mean diameter"
     )
-    settling_friction: float = Field(
-        ge=0, le=2, description="grain friction while settling; sets the density"
+    settling_friction: float | None = Field(
+        default=None, ge=0, le=2, description="grain friction while settling; sets the density"
+    )
+    relative_density: float | None = Field(
+        default=None, ge=0, le=1, description="to prepare the bed at: 0 loosest, 1 densest"
     )
     gravity: float = Field(default=GRAVITY, gt=0, le=100, description="m/s2, downwards")
     thickness: float = Field(
@@ -60,6 +65,12 @@ class Bed(Table):
         description="m, of a slab of spheres, from the glass to a mirror; 0: discs in plane strain",
     )
     glass_friction: float = Field(default=0.3, ge=0, le=2, description="of spheres on the glass")
+
+    @model_validator(mode="after")
+    def _prepared_in_one_way(self) -> Self:
+        if (self.settling_friction is None) == (self.relative_density is None):
+            raise ValueError("exactly one of settling_friction and relative_density is needed")
+        return self
 
 
 class Contact(Table):
@@ -118,8 +129,8 @@ class _Titled(Table):
     quick: bool = False
 
     def to_dict(self) -> dict[str, Any]:
-        """Every key with its value, defaults included."""
-        return self.model_dump(mode="json")
+        """Every key with its value, defaults included; what is not given and has no value is left out."""
+        return self.model_dump(mode="json", exclude_none=True)
 
     def to_toml(self) -> str:
         """The resolved scene as TOML; `load_scene` reads it back to an equal scene."""
@@ -190,6 +201,8 @@ class SoilBinScene(_Scene):
                 f"bed.thickness = {bed.thickness} m: at least three of bed.grain_diameter are needed, "
                 "or 0 for discs"
             )
+        elif bed.settling_friction is None:
+            raise ValueError("bed.relative_density: for discs only (bed.thickness = 0)")
         elif self.timing.record_contacts:
             raise ValueError("timing.record_contacts = true: allowed for discs only (bed.thickness = 0)")
 
@@ -275,6 +288,8 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
     """
     path = _find(name_or_path)
     tables = _with_base(_read_toml(path), path)
+    if str(tables.get("soil", "")).endswith(".toml"):
+        tables["soil"] = str(path.parent / tables["soil"])  # beside the scene's file
     overrides = tables.pop("quick", None)
     if isinstance(overrides, bool):  # a resolved scene, which says what it was made with
         tables["quick"] = overrides
@@ -307,7 +322,7 @@ def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | 
     """
     soil = tables.get("soil")
     if isinstance(soil, str):
-        tables = {**tables, "soil": _load_soil(soil, source)}
+        tables = {**tables, "soil": load_soil(soil, source=source).soil}
     implement = tables.get("implement")
     if isinstance(implement, dict) and implement.get("kind") == "stl":
         tables = {**tables, "implement": _cut_stl(implement, source, Path(folder))}
@@ -363,10 +378,19 @@ def _of_another_kind(old: Any, new: Any) -> bool:
     )
 
 
-def _load_soil(name: str, source: str) -> dict[str, Any]:
-    if name not in soil_names():
-        raise SceneError(f"{source}: soil = {name!r}: allowed is a table or one of {', '.join(soil_names())}")
-    return _read_toml(scenes_folder() / "soils" / f"{name}.toml")
+def load_soil(name_or_path: str | Path, *, source: str = "soil") -> SoilFile:
+    """Read a shipped soil by its name, or a soil's TOML file; `source` stands in front of every complaint.
+
+    Raises
+    ------
+    SceneError
+        With file, key, value and what is allowed.
+    """
+    path = soil_path(name_or_path, source=source)
+    try:
+        return SoilFile.model_validate(_read_toml(path))
+    except ValidationError as error:
+        raise SceneError(_complaint(error, str(path))) from None
 
 
 def _cut_stl(table: dict[str, Any], source: str, folder: Path) -> dict[str, Any]:
@@ -381,10 +405,26 @@ def _cut_stl(table: dict[str, Any], source: str, folder: Path) -> dict[str, Any]
         raise SceneError(f"{source}: implement.{error}") from None
 
 
+def soil_path(name_or_path: str | Path, *, source: str = "soil") -> Path:
+    """File of a shipped soil, or that which is given.
+
+    Raises
+    ------
+    SceneError
+        There is no such soil.
+    """
+    if Path(name_or_path).suffix == ".toml":
+        return Path(name_or_path)
+    if str(name_or_path) not in soil_names():
+        allowed = f"a table, a TOML file or one of {', '.join(soil_names())}"
+        raise SceneError(f"{source}: soil = {str(name_or_path)!r}: allowed is {allowed}")
+    return scenes_folder() / "soils" / f"{name_or_path}.toml"
+
+
 def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> dict[str, Any]:
     if not isinstance(overrides, dict):
         raise SceneError(f"{path}: {where} = {overrides!r}: a table is needed")
-    merged = dict(tables)
+    merged = {key: value for key, value in tables.items() if _RIVALS.get(key) not in overrides}
     for key, value in overrides.items():
         nested = isinstance(merged.get(key), dict) and not _of_another_kind(merged[key], value)
         merged[key] = _merged(merged[key], value, path, f"{where}.{key}") if nested else value

@@ -466,6 +466,46 @@ def verify(
 
 
 @app.command()
+def calibrate(
+    soil: Annotated[str, typer.Argument(metavar="SOIL", help="A shipped soil's name or a soil's TOML file.")],
+    output: Annotated[Path, typer.Option("--output", metavar="FILE", help="The soil's TOML file to write.")],
+    friction_angle: Annotated[
+        float | None,
+        typer.Option(min=1, max=60, metavar="DEG", help="Peak.", show_default="the soil's published one"),
+    ] = None,
+    relative_density: Annotated[
+        float | None, typer.Option(min=0, max=1, show_default="that of the soil's bulk density")
+    ] = None,
+    seeds: Annotated[int, typer.Option(min=2, metavar="N", help="Samples of each biaxial test.")] = 8,
+    overwrite: Annotated[bool, typer.Option("--overwrite", help="Replace FILE and its figure.")] = False,
+    threads: Annotated[int, typer.Option(min=1, help="Samples are small: more is seldom faster.")] = 1,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Find the grains' rolling friction that gives a soil's friction angle: FILE, and a figure beside it."""
+    from validation.calibration.command import calibrate_file
+    from validation.calibration.evidence import calibration_document, calibration_lines
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        calibration, figure = calibrate_file(
+            soil,
+            output,
+            friction_angle=friction_angle,
+            relative_density=relative_density,
+            seed_count=seeds,
+            overwrite=overwrite,
+            threads=threads,
+            device=device,
+            terminal=terminal,
+        )
+    terminal.show(f"{calibration_lines(calibration)}\n{output}, {figure}")
+    files = {"file": str(output), "figure": str(figure)}
+    terminal.give(calibration_document(calibration) | files)
+
+
+@app.command()
 def bench(
     name: Annotated[
         Literal["dem", "render"],

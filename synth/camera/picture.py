@@ -8,6 +8,7 @@ from scipy.special import erf
 
 from synth.camera.cover import Cover
 from synth.camera.streams import Purpose, random_stream
+from synth.camera.texture import tone_behind
 from synth.camera.tiles import TILE
 
 if TYPE_CHECKING:
@@ -173,7 +174,7 @@ def _behind_the_grains(scene: "Scene", covered: Cover) -> "np.ndarray":
     import numpy as np
 
     soil = np.pad(covered.soil, covered.margin, mode="edge")
-    return np.where(soil, np.float32(scene.light.void), np.float32(scene.light.background))
+    return np.where(soil, np.float32(tone_behind(scene)), np.float32(scene.light.background))
 
 
 def _lens_and_pixel(blur: float, sampling: int) -> "np.ndarray":

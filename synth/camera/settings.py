@@ -30,6 +30,9 @@ class Texture(Table):
         description="interpolated: by the affine motion of the particles around; carried: with one particle"
     )
     coverage: float = Field(gt=0.2, le=5, description="area of all micro-grains / area they are strewn over")
+    smallest_drawn: float = Field(
+        default=0.0, ge=0, le=2, description="px; finer grains are a uniform tone behind the others"
+    )
     roundness: float = Field(ge=0, le=1, description="0: grains are flat plates, 1: half spheres")
     facet_slope: float = Field(ge=0, le=2, description="standard deviation of the slope of a grain's face")
 

@@ -81,6 +81,48 @@ def mean_grain_area(sizes: GrainSizes) -> float:
     return math.pi / 4 * whole * float(kept / (ndtr(upper) - ndtr(lower)))
 
 
+def drawn_sizes(scene: "Scene") -> tuple[GrainSizes, float]:
+    """Sizes of the micro-grains that are drawn one by one, and their share of all grains' area.
+
+    Those finer than the texture's `smallest_drawn` are too small to be seen, and there are too many of them.
+
+    Raises
+    ------
+    ValueError
+        Every grain is finer.
+    """
+    sizes, pixel = scene.soil.grain_sizes, scene.camera.metres_per_pixel
+    cut = scene.texture.smallest_drawn * pixel
+    if cut <= sizes.smallest:
+        return sizes, 1.0
+    if cut >= sizes.largest:
+        raise ValueError(
+            f"texture.smallest_drawn = {scene.texture.smallest_drawn} px: under the soil's largest grain, "
+            f"{sizes.largest / pixel:.3g} px, is allowed"
+        )
+    finest, coarsest, first = (
+        ndtr(math.log(size / sizes.median) / sizes.log_deviation)
+        for size in (sizes.smallest, sizes.largest, cut)
+    )
+    share = float((coarsest - first) / (coarsest - finest))
+    return sizes.model_copy(update={"smallest": cut}), share
+
+
+def tone_behind(scene: "Scene") -> float:
+    """Light of the soil where no drawn grain lies, as a share of full scale.
+
+    A void, or the finer grains that hide it: these have the mean albedo, face the camera, and lie behind
+    every drawn grain, whose shade they are in.
+    """
+    light, coverage = scene.light, scene.texture.coverage
+    _, share = drawn_sizes(scene)
+    seen_through = math.exp(-coverage * (1 - share))
+    lamps = light.ambient + (1 - light.ambient) * 2 * math.sin(math.radians(light.elevation))
+    shaded = (1 - light.shade) ** (coverage * share)
+    fines = scene.soil.look.albedo * light.intensity * lamps * shaded
+    return seen_through * light.void + (1 - seen_through) * fines
+
+
 def _by_number(sizes: GrainSizes) -> tuple[float, float, float]:
     """Centre of ln(diameter) by number, and the ends in deviations from it."""
     deviation = sizes.log_deviation
@@ -96,9 +138,9 @@ def _places_and_sizes(
     import numpy as np
 
     left, right, bottom, top = region.bounds
-    sizes = scene.soil.grain_sizes
+    sizes, share = drawn_sizes(scene)
     area = (right - left) * (top - bottom)
-    count = round(scene.texture.coverage * area / mean_grain_area(sizes))
+    count = round(scene.texture.coverage * share * area / mean_grain_area(sizes))
     places = random_stream(scene.seed, Purpose.PLACES)
     x, z = places.uniform(left, right, count), places.uniform(bottom, top, count)
     diameter = draw_diameters(sizes, count, random_stream(scene.seed, Purpose.SIZES))
@@ -129,6 +171,7 @@ def _with_looks(scene: "Scene", x: "np.ndarray", z: "np.ndarray", diameter: "np.
     slopes = looks.normal(0.0, texture.facet_slope, (2, count)).astype(np.float32)
     depth = random_stream(scene.seed, Purpose.DEPTHS).integers(0, DEEPEST, count, dtype=np.int32)
     # At depth 0..1 of the texture lie 0..coverage layers of grains in front, and each takes its share.
-    light = (1 - scene.light.shade) ** (texture.coverage / DEEPEST * depth)
+    drawn_coverage = texture.coverage * drawn_sizes(scene)[1]
+    light = (1 - scene.light.shade) ** (drawn_coverage / DEEPEST * depth)
     brightness = (albedo * light).astype(np.float32)
     return MicroGrains(x, z, diameter, brightness, slopes[0], slopes[1], depth)

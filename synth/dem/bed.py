@@ -16,31 +16,19 @@ from synth.dem.contact_law import (
     Law,
     Material,
     damping_ratio_of,
-    largest_time_step,
     reduced_moduli,
 )
 from synth.dem.grains import Grains, grains_of
-from synth.dem.solver import Solver
+from synth.dem.packing import void_ratio
+from synth.dem.relative_density import SettlingRelation, settling_relation
+from synth.dem.settling import FIRST_SOLID_FRACTION, Bin
 from synth.devices import cache_folder
 from synth.scene import SoilBinScene
 
 Progress = Callable[[int, int], None]
 
-RECIPE = 1
+RECIPE = 2
 """Raised when the way a bed is made changes: older beds in the cache are then left alone."""
-
-_FIRST_SOLID_FRACTION = 0.82
-"""Guess of the share of area that settled discs fill, until it is measured."""
-_SETTLING_STIFFNESS = 1000
-"""Contact stiffness while settling / greatest pressure of the bed: soft is quick, hard packs right."""
-_CALM = 2e-3
-"""Settled: the speed that nine of ten grains stay below / that of a fall through a grain's own diameter."""
-_LOOK = 2.5e-3
-"""Time between two looks at how calm the bed is, s."""
-_LONGEST_REST = 0.15
-"""Time after which a bed is taken as it is, s: longer would only show that something else is wrong."""
-_DRAG = 200.0
-"""Rate at which motion dies away while the bed comes to rest, 1/s."""
 
 
 @dataclass(frozen=True)
@@ -51,10 +39,13 @@ class Bed:
     ----------
     solid_fraction : float
         Share of the bed's area that grains fill.
+    relative_density : float or None
+        Where the void ratio lies between loosest (0) and densest (1); None where these are not known.
     """
 
     grains: Grains
     solid_fraction: float
+    relative_density: float | None = None
 
 
 def contact_law(scene: SoilBinScene) -> Law:
@@ -83,13 +74,15 @@ def contact_law(scene: SoilBinScene) -> Law:
 
 def settled_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed:
     """The scene's bed, from the cache where it has been made before."""
-    path = cache_folder() / "beds" / f"{_bed_hash(scene)}.npz"
+    relation = _relation(scene, _part(progress, 0))
+    friction = _settling_friction(scene, relation)
+    path = cache_folder() / "beds" / f"{_bed_hash(scene, friction)}.npz"
     if path.is_file():
         try:
-            return _read(path)
+            return _judged(*_read(path), relation)
         except (OSError, ValueError, KeyError, zipfile.BadZipFile):
             path.unlink()  # damaged, by a full disk perhaps: made anew
-    bed = prepare_bed(scene, progress=progress)
+    bed = _judged(*_prepared(scene, friction, progress), relation)
     _write(bed, path)
     return bed
 
@@ -100,101 +93,69 @@ def prepare_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
     Settling happens at a lower stiffness, which the weight of the bed alone allows and which is quicker; the
     last stage brings the grains to rest at the scene's own.
     """
+    relation = _relation(scene, _part(progress, 0))
+    return _judged(*_prepared(scene, _settling_friction(scene, relation), progress), relation)
+
+
+def _relation(scene: SoilBinScene, progress: Progress | None) -> SettlingRelation | None:
+    """Void ratio by friction while settling: where a relative density is wanted, or the soil knows."""
+    bed, soil = scene.bed, scene.soil
+    known = soil.packing is not None and soil.packing.is_of(soil.contact, bed.polydispersity)
+    if bed.thickness or (bed.relative_density is None and not known):
+        return None
+    return settling_relation(soil.contact, bed.polydispersity, packing=soil.packing, progress=progress)
+
+
+def _settling_friction(scene: SoilBinScene, relation: SettlingRelation | None) -> float:
+    if scene.bed.settling_friction is not None:
+        return scene.bed.settling_friction
+    assert relation is not None
+    assert scene.bed.relative_density is not None
+    return relation.friction_for(scene.bed.relative_density)
+
+
+def _judged(grains: Grains, solid_fraction: float, relation: SettlingRelation | None) -> Bed:
+    known = None if relation is None else relation.relative_density(void_ratio(solid_fraction))
+    return Bed(grains, solid_fraction, known)
+
+
+def _prepared(
+    scene: SoilBinScene, settling_friction: float, progress: Progress | None
+) -> tuple[Grains, float]:
+    """Grains and solid fraction of a bed made anew."""
+    law, bin_ = contact_law(scene), _bin(scene)
     if scene.bed.thickness:
         from synth.dem.slab import prepare_slab
 
-        return Bed(*prepare_slab(scene, contact_law(scene), progress=progress))
-    law = contact_law(scene)
-    assert isinstance(law, ContactLaw)
-    softer = _softer(law, _SETTLING_STIFFNESS * scene.soil.bulk_density * scene.bed.gravity * scene.bed.depth)
-    softer = replace(softer, friction=scene.bed.settling_friction)
-    density = scene.soil.bulk_density / _FIRST_SOLID_FRACTION
-    dropped = _dropped(scene, np.random.default_rng([scene.seed, 1]), density)
-    fallen = _fallen(dropped, softer, scene, _part(progress, 0))
-    settled = _at_rest(fallen, softer, scene, _part(progress, 1))
-    levelled = settled.only(settled.position[1] + settled.radius <= scene.bed.depth)
-    solid_fraction = _solid_fraction(levelled, scene)
-    weighed = replace(levelled, density=scene.soil.bulk_density / solid_fraction)
-    rested = _at_rest(weighed, law, scene, _part(progress, 2))
-    return Bed(rested.only(_by_column(rested)), solid_fraction)
+        return prepare_slab(scene, law, progress=progress)
+    assert isinstance(law, ContactLaw)  # of discs
+    softer = replace(bin_.soft_law(law, scene.soil.bulk_density), friction=settling_friction)
+    density = scene.soil.bulk_density / FIRST_SOLID_FRACTION
+    dropped = bin_.drop(np.random.default_rng([scene.seed, 1]), density)
+    levelled = bin_.settle(dropped, softer, _part(progress, 1))
+    weighed = replace(levelled, density=scene.soil.bulk_density / bin_.solid_fraction(levelled))
+    rested = bin_.rest(weighed, law, _part(progress, 2))
+    solid_fraction = bin_.solid_fraction(rested)  # a bed settled with more friction than it has now gave way
+    rested = replace(rested, density=scene.soil.bulk_density / solid_fraction)
+    return rested.only(_by_column(rested)), solid_fraction
 
 
-def _dropped(scene: SoilBinScene, rng: np.random.Generator, density: float) -> Grains:
-    """Grains of random size on a loose lattice, with small random velocities that break its order."""
+def _bin(scene: SoilBinScene) -> Bin:
     bed = scene.bed
-    diameter = bed.grain_diameter * rng.uniform(1 - bed.polydispersity, 1 + bed.polydispersity, _count(scene))
-    pitch = bed.grain_diameter * (1 + bed.polydispersity) * 1.01
-    columns = int((bed.width - 0.5 * pitch) / pitch)
-    row, column = np.divmod(np.arange(diameter.size), columns)
-    x = (column + 0.5 + 0.5 * (row % 2)) * pitch
-    z = (row * np.sqrt(3) / 2 + 0.5) * pitch
-    grains = Grains.at_rest(np.stack([x, z]), diameter / 2, density)
-    return replace(grains, velocity=rng.normal(0, 0.05, grains.position.shape))
-
-
-def _count(scene: SoilBinScene) -> int:
-    """Grains for a little more than the depth of the bed, so that levelling has something to take off."""
-    bed = scene.bed
-    mean_square = bed.grain_diameter**2 * (1 + bed.polydispersity**2 / 3)
-    area = bed.width * (bed.depth + 3 * bed.grain_diameter)
-    return int(_FIRST_SOLID_FRACTION * area / (np.pi / 4 * mean_square))
-
-
-def _fallen(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Progress | None) -> Grains:
-    """Advance while the lattice collapses: a third longer than its top falls to the bed's depth."""
-    height = float(grains.position[1].max()) - scene.bed.depth
-    solver = _settling_solver(grains, law, scene, drag=0.0)
-    looks = max(1, round(1.33 * np.sqrt(2 * height / scene.bed.gravity) / _LOOK))
-    for done in range(1, looks + 1):
-        solver.advance(max(1, round(_LOOK / solver.time_step)))
-        if progress is not None:
-            progress(done, looks)
-    return solver.read_grains()
-
-
-def _at_rest(grains: Grains, law: ContactLaw, scene: SoilBinScene, progress: Progress | None) -> Grains:
-    """Advance against a drag until the grains are calm; they are then stopped altogether."""
-    solver = _settling_solver(grains, law, scene, drag=_DRAG)
-    fall = np.sqrt(2 * scene.bed.gravity * scene.bed.grain_diameter)
-    looks = round(_LONGEST_REST / _LOOK)
-    now = grains
-    for done in range(1, looks + 1):
-        solver.advance(max(1, round(_LOOK / solver.time_step)))
-        now = solver.read_grains()
-        if progress is not None:
-            progress(done, looks)
-        if np.quantile(np.hypot(*now.velocity), 0.9) < _CALM * fall:
-            break
-    return Grains.at_rest(now.position, now.radius, now.density)
-
-
-def _settling_solver(grains: Grains, law: ContactLaw, scene: SoilBinScene, *, drag: float) -> Solver:
-    step = largest_time_step(grains.mass, law.normal_stiffness, scene.contact.steps_per_contact)
-    return Solver(grains, law, scene.bed.width, step, gravity=(0.0, -scene.bed.gravity), drag=drag)
-
-
-def _solid_fraction(grains: Grains, scene: SoilBinScene) -> float:
-    """Share of area filled by grains, clear of the walls and of the rough surface."""
-    (x, z), bed = grains.position, scene.bed
-    margin = 3 * bed.grain_diameter
-    inside = (x > margin) & (x < bed.width - margin) & (z > margin) & (z < bed.depth - margin)
-    area = (bed.width - 2 * margin) * (bed.depth - 2 * margin)
-    return float((np.pi * grains.radius[inside] ** 2).sum() / area)
+    return Bin(
+        bed.width,
+        bed.depth,
+        bed.grain_diameter,
+        bed.polydispersity,
+        bed.gravity,
+        scene.contact.steps_per_contact,
+    )
 
 
 def _by_column(grains: Grains) -> np.ndarray:
     """Order of the grains cell by cell, so that neighbours in the bin are neighbours in memory."""
     cell = np.floor(grains.position / (2 * grains.radius.max())).astype(np.int64)
     return np.lexsort((cell[1], cell[0]))
-
-
-def _softer(law: ContactLaw, stiffness: float) -> ContactLaw:
-    share = min(1.0, stiffness / law.normal_stiffness)
-    return replace(
-        law,
-        normal_stiffness=law.normal_stiffness * share,
-        tangential_stiffness=law.tangential_stiffness * share,
-    )
 
 
 def _part(progress: Progress | None, part: int) -> Progress | None:
@@ -204,9 +165,10 @@ def _part(progress: Progress | None, part: int) -> Progress | None:
     return lambda done, total: progress(part * 100 + round(100 * done / total), 300)
 
 
-def _bed_hash(scene: SoilBinScene) -> str:
+def _bed_hash(scene: SoilBinScene, settling_friction: float) -> str:
     tables = scene.to_dict()
     made_from = {key: tables[key] for key in ("bed", "contact", "seed")}
+    made_from["bed"] = {**tables["bed"], "settling_friction": settling_friction, "relative_density": None}
     soil = {key: tables["soil"][key] for key in ("bulk_density", "contact")}
     canonical = json.dumps({"recipe": RECIPE, **made_from, "soil": soil}, sort_keys=True)
     return hashlib.sha256(canonical.encode()).hexdigest()
@@ -226,8 +188,8 @@ def _write(bed: Bed, path: Path) -> None:
     aside.replace(path)
 
 
-def _read(path: Path) -> Bed:
+def _read(path: Path) -> tuple[Grains, float]:
     with np.load(path, allow_pickle=False) as stored:
         position = stored["position"]
         grains = grains_of(position).at_rest(position, stored["radius"], float(stored["density"]))
-        return Bed(grains, float(stored["solid_fraction"]))
+        return grains, float(stored["solid_fraction"])

@@ -58,7 +58,7 @@ def run_implement(
         thickness=scene.bed.thickness or np.inf,
     )
     log = RunLog(scene, schedule, tool, bed.grains, surface)
-    about_bed = {"surface_height": surface, "solid_fraction": bed.solid_fraction}
+    about_bed = {"surface_height": surface, **_packing(scene, bed)}
     try:
         _record(scene, schedule, solver, log, tool, checkpoint, progress)
     except SimulationError as error:
@@ -94,6 +94,16 @@ def _record(
             checkpoint.write_if_due(interval + 1, solver, log)
         if progress is not None:
             progress(interval + 1, schedule.total)
+
+
+def _packing(scene: SoilBinScene, bed: Bed) -> dict[str, float]:
+    """How densely the bed is packed, and how far that is from what the scene wants."""
+    about = {"solid_fraction": bed.solid_fraction}
+    if bed.relative_density is not None:
+        about["relative_density"] = bed.relative_density
+        if scene.bed.relative_density is not None:
+            about["relative_density_deviation"] = abs(bed.relative_density - scene.bed.relative_density)
+    return about
 
 
 def surface_height(grains: Grains, grain_diameter: float) -> float:

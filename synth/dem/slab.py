@@ -59,6 +59,7 @@ def _spheres(grains: Grains) -> Spheres:
 def _settling_law(scene: SoilBinScene, law: Law) -> ContactLaw:
     """Soft linear contacts, with the friction that sets the density."""
     bed = scene.bed
+    assert bed.settling_friction is not None
     pressure = scene.soil.bulk_density * bed.gravity * bed.depth
     stiffness = _SETTLING_STIFFNESS * pressure * bed.grain_diameter
     if isinstance(law, ContactLaw):

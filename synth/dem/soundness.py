@@ -87,6 +87,13 @@ QUANTITIES = (
         at_most=False,
         advice="take contact.steps_per_contact higher",
     ),
+    Quantity("relative_density", "relative density of the bed"),
+    Quantity(
+        "relative_density_deviation",
+        "relative density, off what was asked for",
+        limit=0.1,
+        advice="give bed.settling_friction instead",
+    ),
 )
 
 

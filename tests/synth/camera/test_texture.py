@@ -3,7 +3,7 @@ import pytest
 from scipy.special import ndtr
 
 from synth.camera.soil_region import first_region
-from synth.camera.texture import DEEPEST, draw_diameters, mean_grain_area, strew
+from synth.camera.texture import DEEPEST, draw_diameters, drawn_sizes, mean_grain_area, strew, tone_behind
 
 
 @pytest.fixture(scope="module")
@@ -74,3 +74,31 @@ def test_a_recording_without_soil_in_view_is_refused(cases, taichi):
     far = np.full((2, 3), 4.0)
     with pytest.raises(ValueError, match=r"no particle .* in the camera's view"):
         first_region(cases.recording(far, far), cases.scene())
+
+
+def coarse(scene, cut):
+    return scene.model_copy(update={"texture": scene.texture.model_copy(update={"smallest_drawn": cut})})
+
+
+def test_grains_under_the_smallest_drawn_are_left_out_and_the_others_stay_as_many(rest, grains):
+    scene = coarse(rest.scene, 0.75)
+    cut = 0.75 * scene.camera.metres_per_pixel
+    drawn = strew(scene, first_region(rest.recording, scene))
+    assert drawn.diameter.min() >= cut > grains.diameter.min()
+    kept = grains.diameter[grains.diameter >= cut]
+    assert drawn.count == pytest.approx(kept.size, rel=0.05)
+    assert np.sum(drawn.diameter**2) == pytest.approx(np.sum(kept**2), rel=0.05)
+
+
+def test_finer_grains_are_a_tone_between_void_and_soil(rest):
+    scene = rest.scene
+    assert tone_behind(scene) == scene.light.void
+    tones = [tone_behind(coarse(scene, cut)) for cut in (0.5, 0.75, 1.5)]
+    assert scene.light.void < tones[0] < tones[1] < tones[2] < 1
+
+
+def test_a_cut_above_every_grain_is_refused(rest):
+    sizes = rest.scene.soil.grain_sizes.model_copy(update={"median": 0.06e-3, "largest": 0.1e-3})
+    scene = rest.scene.model_copy(update={"soil": rest.scene.soil.model_copy(update={"grain_sizes": sizes})})
+    with pytest.raises(ValueError, match=r"texture\.smallest_drawn = 2\.0 px: .* is allowed"):
+        drawn_sizes(coarse(scene, 2.0))

@@ -77,7 +77,8 @@ def test_limits(attribute, good, bad):
 
 def test_a_run_reports_every_quantity(tiny_wheel):
     attributes = simulate(tiny_wheel).data.attrs
-    assert {quantity.attribute for quantity in QUANTITIES} <= set(attributes)
+    always = {quantity.attribute for quantity in QUANTITIES if "density" not in quantity.attribute}
+    assert always <= set(attributes)
     assert 0 < attributes["inertial_number_median"] < attributes["inertial_number_p95"]
     assert attributes["overlap_mean"] < attributes["overlap_p99"] <= attributes["overlap_max"]
     assert attributes["steps_per_contact"] >= tiny_wheel.contact.steps_per_contact
