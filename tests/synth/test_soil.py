@@ -30,7 +30,8 @@ def test_a_shipped_soil_is_calibrated(name):
     evidence = soil.evidence
     wanted = soil.published.friction_angle(soil.published.relative_density(soil.bulk_density))
     assert evidence["published_friction_angle"] == pytest.approx(wanted, abs=0.01)
-    assert evidence["found_friction_angle"] == pytest.approx(wanted, abs=1.0)
+    scatter = 2 * evidence["standard_error"]
+    assert evidence["found_friction_angle"] == pytest.approx(wanted, abs=scatter)
     assert evidence["bulk_density_measured"] == pytest.approx(soil.bulk_density, rel=0.01)
     tried = {point["rolling_friction"] for point in evidence["biaxial"]}
     assert soil.contact.rolling_friction in tried
