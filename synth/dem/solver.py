@@ -281,7 +281,7 @@ class Solver:
         tool_shift = self._tool_shift()
         if tool_shift > 0.5 * self._skin:
             raise SimulationError(f"the implement moved {tool_shift:.3g} m in a few time steps", _FINER)
-        shift, speed = max(shift, tool_shift), max(speed, self._rim_speed())
+        shift, speed = max(shift, tool_shift), max(speed, self._tool_speed())
         left = _REBUILD_AT * self._skin - shift
         reach = max(speed * self.time_step * k.STEPS_PER_LAUNCH, 1e-9 * self._skin)
         self._unwatched, self._watch_after = 0, min(_MOST_UNWATCHED, max(1, int(0.5 * left / reach)))
@@ -291,11 +291,15 @@ class Solver:
     def _tool_shift(self) -> float:
         return 0.0 if self._listed_tool is None else self.read_tool().shift_since(self._listed_tool)
 
-    def _rim_speed(self) -> float:
-        """Of the fastest node, m/s; 0 without a rim."""
-        if self.tool is None or self.tool.ring is None:
+    def _tool_speed(self) -> float:
+        """Of the implement's fastest point, m/s; 0 without one."""
+        if self.tool is None:
             return 0.0
-        return float(np.hypot(*self._rim.to_numpy()[:, 2:4].T).max())
+        tool = self.read_tool()
+        rigid = float(np.hypot(tool.velocity_x, tool.velocity_z)) + abs(tool.spin) * tool.shape.reach
+        if tool.ring is None:
+            return rigid
+        return max(rigid, float(np.hypot(*self._rim.to_numpy()[:, 2:4].T).max()))
 
     def _blow_up(self) -> str:
         listed, grains = self._listed.to_numpy().T, self.read_grains()
