@@ -24,7 +24,10 @@ if TYPE_CHECKING:
     import xarray
 
 # Distributions whose version may change a number in the result; OpenCV's is told by the library itself.
-_DISTRIBUTIONS = ("softbed", "numpy", "scikit-learn", "xarray", "h5netcdf")
+_DISTRIBUTIONS = ("softbed", "numpy", "scikit-learn", "taichi", "xarray", "h5netcdf")
+
+SOIL_RIM = 3
+"""Px around soil that a method which keeps to a mask measures as well."""
 
 
 @dataclass(frozen=True)
@@ -66,8 +69,9 @@ def analyze(
 
     For each pair: displacement (section 2.3), soil by grey level, camera motion as the median horizontal
     displacement over soil, inertial displacement, moving region by its magnitude, velocity where the sequence
-    is calibrated (section 2.2). Displacement is measured over the whole picture; whether a pixel is soil is
-    told apart from whether its motion could be measured.
+    is calibrated (section 2.2). Whether a pixel is soil is told apart from whether its motion could be
+    measured: displacement is measured over the whole picture or, by a method that keeps to a mask, over soil
+    and 3 px around it, so that the implement's motion does not leak in.
 
     Parameters
     ----------
@@ -156,8 +160,8 @@ def _picture_pairs(sequence: ImageSequence) -> Iterator[tuple[np.ndarray, np.nda
 def _analyze_pair(
     first: np.ndarray, second: np.ndarray, pair: int, sequence: ImageSequence, settings: _Settings
 ) -> _PairRecord:
-    field, seconds = _timed_flow(first, second, pair, settings)
     soil = soil_mask(first, soil=settings.soil, seed=settings.seed)
+    field, seconds = _timed_flow(first, second, soil.mask, pair, settings)
     inertial = to_inertial(field.displacement, soil.mask, vertical=settings.vertical)
     speed = np.hypot(inertial.displacement[:, :, 0], inertial.displacement[:, :, 1])
     moving = moving_mask(speed, soil.mask, seed=settings.seed)
@@ -174,18 +178,30 @@ def _analyze_pair(
 
 
 def _timed_flow(
-    first: np.ndarray, second: np.ndarray, pair: int, settings: _Settings
+    first: np.ndarray, second: np.ndarray, soil: np.ndarray, pair: int, settings: _Settings
 ) -> tuple[FlowField, float]:
+    mask = _around(soil) if find_estimator(settings.method).keeps_to_mask else None
     began = time.perf_counter()
     field = estimate_flow(
         first,
         second,
         method=settings.method,
+        mask=mask,
         device=settings.device,
         threads=settings.threads,
         **_options_for(settings, pair),
     )
     return field, time.perf_counter() - began
+
+
+def _around(soil: np.ndarray) -> np.ndarray | None:
+    """Soil and a rim of a few px, within which its outline is known: what to measure. None: everything."""
+    import cv2
+
+    if not soil.any():
+        return None
+    side = 2 * SOIL_RIM + 1
+    return cv2.dilate(soil.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
 
 
 def _options_for(settings: _Settings, pair: int) -> dict[str, Any]:

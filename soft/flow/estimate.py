@@ -9,7 +9,7 @@ from soft.flow.field import FlowError, FlowField
 from soft.flow.opencv import opencv_threads
 from soft.flow.registry import find_estimator
 
-DEFAULT = "dis"
+DEFAULT = "robust-affine"
 
 # A pixel has texture if grey levels within this window differ by at least this much. One level of 255 is what
 # rounding alone makes of a smooth surface.
@@ -68,6 +68,8 @@ def estimate_flow(
     if not estimator.own_texture:
         usable = usable & has_texture(first)
     with opencv_threads(threads):
+        if estimator.start is not None:
+            estimator.start(device, threads)
         field = _solve(estimator, first, second, usable, settings)
     return field.where(lands_inside(field.displacement))
 

@@ -42,6 +42,10 @@ class Estimator:
         Where it can run.
     own_texture : bool
         True if it decides itself, by NaN, where there was too little texture to measure.
+    keeps_to_mask : bool
+        True if pixels outside the mask do not disturb those inside.
+    start : callable, optional
+        Called with device and threads (None: every core) before `solve`.
     """
 
     name: str
@@ -51,6 +55,8 @@ class Estimator:
     least_side: int = 1
     devices: tuple[str, ...] = ("cpu",)
     own_texture: bool = False
+    keeps_to_mask: bool = False
+    start: Callable[[str, int | None], object] | None = None
 
     def options(self, given: Mapping[str, object]) -> Any:
         """Build the options dataclass from keywords; unknown ones are a FlowError."""

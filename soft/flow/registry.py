@@ -12,6 +12,7 @@ from soft.flow.user_function import from_function, from_import_path
 BUILT_IN = {
     "dis": "soft.flow.dis",
     "farneback": "soft.flow.farneback",
+    "robust-affine": "soft.flow.robust_affine.estimator",
 }
 
 

@@ -1,0 +1,158 @@
+"""Two pictures as brightness constraints: one linear equation a pixel for its motion (the paper's Eq. 3).
+
+Grey levels between pixels come from cubic B-splines; the slopes are the mean of both pictures', which makes
+the linear equation right to second order in what is left of the motion. Uneven and changing light is met by
+a factor and an offset of the second picture, smooth over `LIGHT_SCALE` px.
+"""
+
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+LIGHT_SCALE = 15.0
+"""Standard deviation of the window in which both pictures get the same mean and contrast, px."""
+_LIGHT_SHRINK = 4
+"""Pictures are reduced by this for it."""
+_POLE = np.sqrt(3.0) - 2.0
+"""Of the cubic B-spline's inverse filter (Unser, Aldroubi, Eden, IEEE Trans. Signal Processing 41, 1993)."""
+_REACH = 12
+"""Coefficients of it that are kept each way: the next is below 1e-7 of the first."""
+_INVERSE = (np.sqrt(3.0) * _POLE ** np.abs(np.arange(-_REACH, _REACH + 1))).astype(np.float32)
+_SMOOTH = np.array([1 / 6, 2 / 3, 1 / 6], np.float32)
+_SLOPE = np.array([-1 / 2, 0, 1 / 2], np.float32)
+
+
+@dataclass(frozen=True, eq=False)
+class PicturePair:
+    """Both pictures, made ready.
+
+    Attributes
+    ----------
+    first : (h, w, 3) float32
+        Grey level of the first picture and its slopes along x and y, at every `step`-th pixel each way.
+    coefficients : (H, W) float32
+        Of the second picture's B-spline.
+    usable : (h, w) float32
+        1 where a pixel of the first may be used, else 0.
+    step : int
+    """
+
+    first: np.ndarray
+    coefficients: np.ndarray
+    usable: np.ndarray
+    step: int = 1
+
+    @classmethod
+    def of(cls, first: np.ndarray, second: np.ndarray, mask: np.ndarray) -> "PicturePair":
+        """From (H, W) float32 pictures and a bool mask, True = use."""
+        own = spline_coefficients(first)
+        slopes = (_filtered(own, _SLOPE, _SMOOTH), _filtered(own, _SMOOTH, _SLOPE))
+        return cls(np.dstack([first, *slopes]), spline_coefficients(second), mask.astype(np.float32))
+
+    def thinned(self, step: int) -> "PicturePair":
+        """With equations of every `step`-th pixel each way only."""
+        some = (slice(None, None, step), slice(None, None, step))
+        first, usable = np.ascontiguousarray(self.first[some]), np.ascontiguousarray(self.usable[some])
+        return PicturePair(first, self.coefficients, usable, step)
+
+    @property
+    def shape(self) -> tuple[int, int]:
+        """Lines and columns of equations."""
+        return self.usable.shape  # type: ignore[return-value]
+
+    def constrain(self, models: np.ndarray) -> "Constraints":
+        """Every pixel's equation, linear around where its model (H, W, 6) takes it."""
+        from soft.flow.robust_affine import kernels
+
+        warped = np.empty((*self.shape, 4), np.float32)
+        kernels.warp(self.coefficients, self.step, models, warped)
+        gain = _gain(self.first[:, :, 0], warped[:, :, 0], self.usable * warped[:, :, 3], self.step)
+        values = np.empty((*self.shape, 5), np.float32)
+        kernels.constrain(self.first, warped, gain, models, self.usable, values)
+        return Constraints(values, gain, warped[:, :, 1:3])
+
+    def constrain_again(
+        self, constraints: "Constraints", models: np.ndarray, places: np.ndarray
+    ) -> "Constraints":
+        """The same constraints but for some places, rows and columns (P, 2) int32, that move otherwise now."""
+        from soft.flow.robust_affine import kernels
+
+        values = constraints.values.copy()
+        kernels.constrain_places(
+            places, self.coefficients, self.first, constraints.gain, models, self.usable, values
+        )
+        return Constraints(values, constraints.gain, constraints.slopes)
+
+
+@dataclass(frozen=True, eq=False)
+class Constraints:
+    """One equation a pixel, ``jx u + jy v = d``.
+
+    Attributes
+    ----------
+    values : (H, W, 5) float32
+        jx, jy, d, weight (0: not usable), and the residual in grey levels.
+    gain : (H, W, 2) float32
+        Factor and offset of the second picture.
+    slopes : (H, W, 2) float32
+        Of the warped second picture, before the factor.
+    """
+
+    values: np.ndarray
+    gain: np.ndarray
+    slopes: np.ndarray
+
+    def noise(self) -> float:
+        """Standard deviation of the residuals, grey levels, from their median magnitude: outliers don't count."""
+        some = self.values[::3, ::3]
+        residual = np.abs(some[:, :, 4][some[:, :, 3] > 0])
+        return 1.4826 * float(np.median(residual)) + 1e-3 if residual.size else 1.0
+
+    def slope_noise(self, first: np.ndarray) -> float:
+        """Mean square of the slopes used / their noise-free part, which both pictures share; at least 1.
+
+        Parameters
+        ----------
+        first : (H, W, 3) float32
+            As in `PicturePair`.
+        """
+        use = self.values[::3, ::3, 3] > 0
+        before = first[::3, ::3, 1:][use]
+        after = self.slopes[::3, ::3][use] * self.gain[::3, ::3, :1][use]
+        shared = float(np.mean(before * after, dtype=np.float64)) if use.any() else 0.0
+        if shared <= 0:
+            return 1.0
+        return max(1.0, float(np.mean((before + after) ** 2, dtype=np.float64)) / 4 / shared)
+
+
+def spline_coefficients(picture: np.ndarray) -> np.ndarray:
+    """Coefficients of the cubic B-spline through a picture's grey levels, mirrored at its border."""
+    return _filtered(picture, _INVERSE, _INVERSE)
+
+
+def _filtered(picture: np.ndarray, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
+    import cv2
+
+    return cv2.sepFilter2D(picture, cv2.CV_32F, along_x, along_y, borderType=cv2.BORDER_REFLECT_101)
+
+
+def _gain(first: np.ndarray, second: np.ndarray, weight: np.ndarray, step: int) -> np.ndarray:
+    """Factor and offset (h, w, 2) that give the second picture the first one's local mean and contrast."""
+    import cv2
+
+    height, width = first.shape
+    shrink = max(1, _LIGHT_SHRINK // step)
+    size = (max(1, width // shrink), max(1, height // shrink))
+
+    def blurred(values: np.ndarray) -> Any:
+        small = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
+        return cv2.GaussianBlur(small, (0, 0), LIGHT_SCALE / shrink / step)
+
+    share = blurred(weight) + 1e-6
+    mean, mean_after = blurred(weight * first) / share, blurred(weight * second) / share
+    contrast = blurred(weight * first * first) / share - mean * mean
+    contrast_after = blurred(weight * second * second) / share - mean_after * mean_after
+    factor = np.sqrt(np.maximum(contrast, 1.0) / np.maximum(contrast_after, 1.0))
+    lit = np.dstack([factor, mean - factor * mean_after])
+    return cv2.resize(lit, (width, height), interpolation=cv2.INTER_LINEAR)

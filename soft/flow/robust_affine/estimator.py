@@ -1,0 +1,175 @@
+"""The estimator `robust-affine`, step by step.
+
+From a coarse field on (dense inverse search, which bridges large motions), every pixel's brightness equation
+is made linear around its own present motion, and affine motions are fitted to the equations (the paper's Eq.
+3 and 4), weighted by a Lorentzian (Eq. 5) that narrows (graduated non-convexity):
+
+1. in windows of one size (`windows.fit`), then of several, of which each pixel takes the largest it can bear
+   (`windows.choose`), both on every second pixel's equation; the preset `fast` ends here;
+2. again in windows of several sizes, on all equations, the pictures warped anew;
+3. where these disagree, motion may break off: models are handed on and windows cut (`edges.mend`);
+4. where only small windows were borne, once more on the pictures warped anew, for what is left.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from soft.devices import DEVICES, start_taichi
+from soft.flow.estimator import Estimator
+from soft.flow.field import FlowField
+from soft.flow.options import require_choice, require_flag, require_number
+from soft.flow.robust_affine.brightness import PicturePair
+from soft.flow.robust_affine.edges import mend
+from soft.flow.robust_affine.seed import seed
+from soft.flow.robust_affine.uncertainty import standard_deviation
+from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit
+
+PRESETS = ("accurate", "fast")
+_MARGIN = 2
+"""Px at a mask's rim that are not used, though measured."""
+_THIN = 2
+"""The first rounds, and `fast` all through, take every second pixel's equation each way."""
+_FIRST = Window(2.0, 1)
+"""Of the first round, in units of `_THIN` px."""
+_WIDE, _NARROW = 3.0, 2.0
+"""Widths of the Lorentzian, first and then, in standard deviations of the pictures' noise."""
+_THIN_WINDOWS = (Window(1.25, 1), Window(4.0, 4), Window(12.0, 12))
+"""In units of `_THIN` px."""
+_WINDOWS = (
+    Window(2.5, 2),
+    Window(4.0, 2),
+    Window(7.0, 4, thin=2),
+    Window(12.0, 6, thin=2),
+    Window(20.0, 10, thin=2),
+)
+_CURVE = Window(4.0, 2)
+"""In which, where motion is curved, what is left is fitted once more."""
+_JUMP = 0.15
+"""Where windows' fits are further apart than this, motion may break off nearby, px."""
+_AROUND = 6
+"""So far around it models are mended, px."""
+_CURVED = 2
+"""Up to this one there is something left to fit once more."""
+_SLOPE_NOISE = 1.2
+"""Factor on the variance by noise, for what the slopes' noise and interpolation add; measured, see the tests."""
+
+
+@dataclass(frozen=True)
+class RobustAffineOptions:
+    """`fast` stops at windows over every second pixel: several times as fast, less sharp at breaks.
+
+    `confidence` is half the width, in standard deviations, of the intervals that decide on a window's size:
+    larger ones smooth more. `edges` says whether models are mended where motion breaks off (None: as the
+    preset does).
+    """
+
+    preset: str = "accurate"
+    confidence: float = 1.7
+    edges: bool | None = None
+
+    def __post_init__(self) -> None:
+        require_choice("preset", self.preset, PRESETS)
+        require_number("confidence", self.confidence, above=0.0)
+        if self.edges is not None:
+            require_flag("edges", self.edges)
+
+    @property
+    def resolved(self) -> "RobustAffineOptions":
+        """Everything spelt out."""
+        return replace(self, edges=self.preset == "accurate" if self.edges is None else self.edges)
+
+
+def _solve(
+    first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
+) -> FlowField:
+    options = options.resolved
+    pair = PicturePair.of(first, second, _inner(mask))
+    thin = pair.thinned(_THIN)
+    coarse = np.ascontiguousarray(seed(first, second, options.preset)[::_THIN, ::_THIN])
+    chosen = _chosen(thin, _approached(thin, coarse), _THIN_WINDOWS, options).widened(_THIN, pair.shape)
+    if options.preset == "accurate":
+        chosen = _chosen(pair, chosen.models, _WINDOWS, options)
+    if options.edges:
+        chosen = _mended(pair, chosen)
+    chosen = replace(chosen, models=_carried_outwards(chosen.models, pair.usable > 0, mask))
+    models = chosen.models
+    gradient = np.stack([models[:, :, 1:3], models[:, :, 4:6]], axis=2)
+    return FlowField(models[:, :, ::3], mask, standard_deviation(chosen), gradient)
+
+
+def _inner(mask: np.ndarray) -> np.ndarray:
+    """Without the pixels at its rim, which hold light of what lies beyond."""
+    import cv2
+
+    if mask.all():
+        return mask
+    side = 2 * _MARGIN + 1
+    return cv2.erode(mask.astype(np.uint8), np.ones((side, side), np.uint8), borderValue=1) > 0
+
+
+def _carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Models of what is to be measured but not to be used, from the nearest pixel that was used."""
+    import cv2
+
+    rim = mask & ~usable
+    if not (rim.any() and usable.any()):
+        return models
+    _, labels = cv2.distanceTransformWithLabels(
+        (~usable).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    source = np.zeros((labels.max() + 1, 2), np.intp)
+    source[labels[usable]] = np.argwhere(usable)
+    places, nearest = np.argwhere(rim), source[labels[rim]]
+    down, right = (places - nearest).T.astype(np.float32)
+    carried, handed = models.copy(), models[nearest[:, 0], nearest[:, 1]]
+    for k in (0, 3):
+        handed[:, k] += handed[:, k + 1] * right + handed[:, k + 2] * down
+    carried[rim] = handed
+    return carried
+
+
+def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:
+    constraints = pair.constrain(models)
+    products = Products.of(constraints, _WIDE * constraints.noise())
+    return fit(products, _FIRST, models).models(pair.shape)
+
+
+def _chosen(
+    pair: PicturePair, models: np.ndarray, windows: tuple[Window, ...], options: RobustAffineOptions
+) -> Chosen:
+    constraints = pair.constrain(models)
+    noise = constraints.noise()
+    products = Products.of(constraints, _NARROW * noise)
+    inflated = noise * float(np.sqrt(_SLOPE_NOISE * constraints.slope_noise(pair.first)))
+    return choose(products, windows, models, noise=inflated, confidence=options.confidence)
+
+
+def _mended(pair: PicturePair, chosen: Chosen) -> Chosen:
+    import cv2
+
+    side = 2 * _AROUND + 1
+    broken = cv2.dilate((chosen.jump > _JUMP).astype(np.uint8), np.ones((side, side), np.uint8)) > 0
+    constraints = pair.constrain(chosen.models)
+    models, constraints = mend(pair, chosen.models, constraints, broken & (pair.usable > 0))
+    products = Products.of(constraints, _NARROW * constraints.noise(), rest=True)
+    rest = fit(products, _CURVE, np.zeros_like(models)).models(pair.shape)
+    rest[chosen.level > _CURVED] = 0
+    return replace(chosen, models=models + rest)
+
+
+def _resolved(options: RobustAffineOptions) -> dict[str, object]:
+    spelt = options.resolved
+    return {"preset": spelt.preset, "confidence": spelt.confidence, "edges": spelt.edges}
+
+
+ESTIMATOR = Estimator(
+    "robust-affine",
+    RobustAffineOptions,
+    _solve,
+    resolved=_resolved,
+    least_side=16,
+    devices=DEVICES,
+    keeps_to_mask=True,
+    start=start_taichi,
+)

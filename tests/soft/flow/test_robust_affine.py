@@ -1,0 +1,182 @@
+"""`robust-affine` on pictures whose motion is known by formula."""
+
+import os
+import subprocess
+import sys
+
+import numpy as np
+import pytest
+
+from soft.flow import FlowError, estimate_flow
+
+SHAPE = (150, 200)
+
+
+class Waves:
+    """Sums of plane waves of 5 to 50 px: grey levels anywhere, without interpolation."""
+
+    def __init__(self, seed=0, count=150):
+        random = np.random.default_rng(seed)
+        angle, self.phase = random.uniform(0, 2 * np.pi, (2, count))
+        number = 2 * np.pi / np.exp(random.uniform(np.log(5), np.log(50), count))
+        self.kx, self.ky = number * np.cos(angle), number * np.sin(angle)
+        self.amplitude = 45 * np.sqrt(2 / count)
+
+    def __call__(self, x, y):
+        grey = np.full(np.broadcast(x, y).shape, 127.0)
+        for kx, ky, phase in zip(self.kx, self.ky, self.phase, strict=True):
+            grey += self.amplitude * np.cos(kx * x + ky * y + phase)
+        return np.clip(grey, 0, 255).astype(np.float32)
+
+
+def grid(shape=SHAPE):
+    y, x = np.mgrid[: shape[0], : shape[1]].astype(float)
+    return x, y
+
+
+def affine_pair(motion, gradient, *, shape=SHAPE, seed=0):
+    """Pictures and true displacement (H, W, 2); `motion` px at the middle, `gradient` (2, 2) px/px."""
+    x, y = grid(shape)
+    middle = (np.array(shape[::-1]) - 1) / 2
+    waves, gradient = Waves(seed), np.asarray(gradient, float)
+    offset = np.stack([x, y], -1) - middle
+    back = (offset - np.asarray(motion, float)) @ np.linalg.inv(np.eye(2) + gradient).T + middle
+    return waves(x, y), waves(back[..., 0], back[..., 1]), np.asarray(motion) + offset @ gradient.T
+
+
+def errors(field, truth, where=slice(None)):
+    return np.hypot(*np.moveaxis(field.displacement - truth, 2, 0))[where]
+
+
+@pytest.mark.parametrize("preset", ["accurate", "fast"])
+def test_an_affine_motion_with_its_gradient(preset):
+    gradient = np.array([[0.010, 0.030], [-0.015, -0.020]])  # each entry another: no axis can be swapped
+    first, second, truth = affine_pair((2.3, -1.4), gradient)
+    field = estimate_flow(first, second, method="robust-affine", preset=preset)
+    inner = np.s_[12:-12, 12:-12]
+    error = errors(field, truth)[inner]
+    assert np.median(error) < 0.01 and np.quantile(error, 0.95) < 0.05
+    np.testing.assert_allclose(np.median(field.gradient[inner], axis=(0, 1)), gradient, atol=0.003)
+
+
+def test_brighter_second_picture_does_not_matter():
+    first, second, truth = affine_pair((1.6, 0.7), [[0.0, 0.02], [0.0, 0.0]])
+    field = estimate_flow(first, 0.8 * second + 20, method="robust-affine")
+    assert np.median(errors(field, truth)[field.valid]) < 0.01
+
+
+def test_thirty_px_a_frame():
+    first, second, truth = affine_pair((30.0, 4.0), np.zeros((2, 2)), shape=(200, 300))
+    field = estimate_flow(first, second, method="robust-affine")
+    assert field.valid.mean() > 0.8
+    assert np.quantile(errors(field, truth)[field.valid], 0.95) < 0.05
+
+
+def test_what_leaves_the_picture_is_not_valid():
+    first, second, truth = affine_pair((6.0, 0.0), np.zeros((2, 2)))
+    field = estimate_flow(first, second, method="robust-affine")
+    assert not field.valid[:, -5:].any() and field.valid[2:-2, 10:-10].all()
+
+
+def broken_pair(jump, shape=SHAPE):
+    """The upper half moves by + jump / 2, the lower one by - jump / 2, along x."""
+    x, y = grid(shape)
+    waves = Waves(3)
+    u = np.where(y < shape[0] / 2, jump / 2, -jump / 2)
+    return waves(x, y), waves(x - u, y), np.stack([u, 0 * u], -1)
+
+
+def test_a_break_stays_sharp():
+    first, second, truth = broken_pair(4.0)
+    near = np.s_[SHAPE[0] // 2 - 10 : SHAPE[0] // 2 + 10, 15:-15]
+    mended, plain = (
+        np.mean(errors(estimate_flow(first, second, method="robust-affine", edges=edges), truth)[near] > 0.3)
+        for edges in (True, False)
+    )
+    assert mended < 0.2 and mended < 0.6 * plain
+
+
+def test_a_masked_region_does_not_leak():
+    first, second, truth = broken_pair(6.0)
+    upper = np.zeros(SHAPE, bool)
+    upper[: SHAPE[0] // 2] = True
+    field = estimate_flow(first, second, method="robust-affine", mask=upper)
+    assert not field.valid[SHAPE[0] // 2 :].any()
+    rim = np.s_[SHAPE[0] // 2 - 6 : SHAPE[0] // 2, 15:-15]
+    assert np.quantile(errors(field, truth)[rim], 0.95) < 0.1
+
+
+def test_uncertainty_covers_the_errors_of_noise():
+    first, second, truth = affine_pair((1.3, 0.4), [[0.01, 0.0], [0.0, 0.01]], seed=5)
+    random = np.random.default_rng(1)
+    noisy = [np.clip(p + random.normal(0, 6, SHAPE), 0, 255) for p in (first, second)]
+    field = estimate_flow(*noisy, method="robust-affine")
+    z = np.abs((field.displacement - truth) / field.uncertainty)[field.valid]
+    # One picture pair holds few independent errors: wide bounds.
+    assert 0.5 < np.mean(z < 1) < 0.9 and np.mean(z < 1.96) > 0.85
+
+
+def test_uncertainty_is_large_where_motion_breaks_off():
+    first, second, truth = broken_pair(4.0)
+    field = estimate_flow(first, second, method="robust-affine")
+    near, far = field.uncertainty[SHAPE[0] // 2 - 3, 15:-15, 0], field.uncertainty[30, 15:-15, 0]
+    assert np.median(near) > 5 * np.median(far)
+
+
+@pytest.mark.parametrize("grey", [0, 128, 255])
+def test_constant_pictures_are_not_measured(grey):
+    flat = np.full(SHAPE, grey, np.uint8)
+    assert not estimate_flow(flat, flat, method="robust-affine").valid.any()
+
+
+def test_nothing_to_use_is_nothing_measured():
+    first, second, _ = affine_pair((1.0, 0.0), np.zeros((2, 2)))
+    field = estimate_flow(first, second, method="robust-affine", mask=np.zeros(SHAPE, bool))
+    assert not field.valid.any() and np.isnan(field.displacement).all()
+
+
+def test_small_pictures():
+    first, second, truth = affine_pair((0.6, -0.3), np.zeros((2, 2)), shape=(16, 40))
+    field = estimate_flow(first, second, method="robust-affine")
+    assert np.median(errors(field, truth)[field.valid]) < 0.1
+    with pytest.raises(FlowError, match="needs at least 16 px"):
+        estimate_flow(first[:, :1], second[:, :1], method="robust-affine")
+
+
+@pytest.mark.parametrize(
+    ("option", "says"),
+    [
+        ({"preset": "slow"}, "preset: 'slow': allowed are accurate, fast"),
+        ({"confidence": 0}, "confidence: 0: must be a number above 0"),
+        ({"edges": 1}, "edges: 1: must be true or false"),
+        ({"window": 3}, "unknown option window: allowed are preset, confidence, edges"),
+        ({"device": "tpu"}, "runs on cpu, cuda"),
+    ],
+)
+def test_bad_options_are_named(option, says):
+    picture = np.zeros(SHAPE, np.uint8)
+    with pytest.raises(FlowError, match=says):
+        estimate_flow(picture, picture, method="robust-affine", **option)
+
+
+_DIGEST = """
+import hashlib, sys
+import numpy as np
+from soft.flow import estimate_flow
+random = np.random.default_rng(0)
+first = random.uniform(0, 255, (90, 120)).astype(np.float32)
+second = np.roll(first, (1, 2), (0, 1))
+field = estimate_flow(first, second, method="robust-affine", threads=int(sys.argv[1]))
+print(hashlib.sha256(field.displacement.tobytes() + field.uncertainty.tobytes()).hexdigest())
+"""
+
+
+def test_same_bytes_on_one_and_two_threads():
+    digests = {
+        subprocess.run(
+            [sys.executable, "-c", _DIGEST, str(threads)],
+            capture_output=True, text=True, check=True, env=os.environ | {"TI_LOG_LEVEL": "error"},
+        ).stdout.split()[-1]
+        for threads in (1, 2)
+    }  # fmt: skip
+    assert len(digests) == 1
