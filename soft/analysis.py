@@ -180,7 +180,7 @@ def _analyze_pair(
 def _timed_flow(
     first: np.ndarray, second: np.ndarray, soil: np.ndarray, pair: int, settings: _Settings
 ) -> tuple[FlowField, float]:
-    mask = _around(soil) if find_estimator(settings.method).keeps_to_mask else None
+    mask = around(soil) if find_estimator(settings.method).keeps_to_mask else None
     began = time.perf_counter()
     field = estimate_flow(
         first,
@@ -194,7 +194,7 @@ def _timed_flow(
     return field, time.perf_counter() - began
 
 
-def _around(soil: np.ndarray) -> np.ndarray | None:
+def around(soil: np.ndarray) -> np.ndarray | None:
     """Soil and a rim of a few px, within which its outline is known: what to measure. None: everything."""
     import cv2
 

@@ -508,12 +508,19 @@ def calibrate(
 @app.command()
 def bench(
     name: Annotated[
-        Literal["dem", "render"],
-        typer.Argument(metavar="NAME", help="dem: the grain solver, LAMMPS. render: pictures with truth."),
+        Literal["dem", "render", "flow"],
+        typer.Argument(
+            metavar="NAME",
+            help="dem: the grain solver, LAMMPS. render: pictures with truth. flow: methods' errors, speed.",
+        ),
     ],
     grains: Annotated[
         list[int] | None,
         typer.Option(min=100, metavar="N", help="dem: about so many discs; may repeat.", show_default=False),
+    ] = None,
+    run: Annotated[
+        list[Path] | None,
+        typer.Option(metavar="OUT", help="flow: a run's folder, scored too; may repeat.", show_default=False),
     ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Measurements; their median is told.")] = 5,
     threads: Threads = None,
@@ -522,13 +529,16 @@ def bench(
 ) -> None:
     """Measure speed, ours and that of peers found on the PATH, on the same work and in turn."""
     from validation.bench.dem import GRAIN_COUNTS, bench_dem
+    from validation.bench.flow import bench_flow
     from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
 
     terminal = Terminal(json=json)
     workers = threads or os.cpu_count() or 1
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
-        if name == "render":
+        if name == "flow":
+            rows = bench_flow(runs=run or (), repeats=repeats, threads=workers, progress=progress)
+        elif name == "render":
             rows = bench_render(repeats=repeats, threads=workers, progress=progress)
         else:
             rows = bench_dem(

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
-DEFAULT = "dis"
+DEFAULT = "robust-affine"
 _FILES = "files:"
 
 

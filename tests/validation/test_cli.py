@@ -89,7 +89,7 @@ def test_damage_is_repaired_and_only_that(softbed, finished_run, tiny_scene, tmp
     shutil.copytree(finished_run, out)
     flow = out / "analysis" / "dis.nc"
     flow.write_bytes(flow.read_bytes()[:1000])
-    status, _, error = softbed("run", tiny_scene, out)
+    status, _, error = softbed("run", tiny_scene, out, "--method", "dis")
     assert status == 0
     assert "analyze dis: analysis/dis.nc is damaged or was changed: doing it again" in error
     assert "simulate: done before" in error and "render: done before" in error
@@ -103,7 +103,7 @@ def test_another_seed_is_done_again_if_that_is_meant(softbed, finished_run, tiny
     assert status == 2
     assert_one_line(error, "holds another simulation", "seed 0", "--overwrite")
     assert tree(out) == before
-    status, _, error = softbed("run", tiny_scene, out, "--seed", 7, "--overwrite")
+    status, _, error = softbed("run", tiny_scene, out, "--seed", 7, "--overwrite", "--method", "dis")
     assert status == 0
     assert "render: what it depends on has changed: doing it again" in error
     assert json.loads((out / "scores.json").read_text())["seed"] == 7
@@ -124,7 +124,7 @@ def test_steps_one_by_one(softbed, finished_run, tiny_scene, tmp_path):
     assert status == 2
     assert_one_line(error, "render: not done yet", f"softbed render {out}")
     assert softbed("render", out)[0] == 0
-    assert softbed("analyze", out)[0] == 0
+    assert softbed("analyze", out, "--method", "dis")[0] == 0
     assert softbed("score", out)[0] == 0
     first, second = (
         json.loads((f / "scores.json").read_text())["methods"]["dis"] for f in (out, finished_run)
@@ -241,7 +241,7 @@ def test_bare_footage_is_scored_beside_itself(softbed, finished_run, tmp_path, m
     shutil.copytree(finished_run / "footage", footage)
     before = tree(footage)
     monkeypatch.chdir(tmp_path)
-    assert softbed("score", footage)[0] == 0
+    assert softbed("score", footage, "--method", "dis")[0] == 0
     assert tree(footage) == before
     scores = [
         json.loads((f / "scores.json").read_text()) for f in (tmp_path / "footage-softbed", finished_run)
@@ -303,8 +303,8 @@ def test_own_photographs(softbed, finished_run, tmp_path, monkeypatch):
     assert status == 0, error
     assert tree(photographs) == before
     out = tmp_path / "photographs-softbed"
-    assert json.loads(output)["steps"]["analyze dis"]["files"] == ["analysis/dis.nc"]
-    with xr.open_dataset(out / "analysis" / "dis.nc", engine="h5netcdf") as flow:
+    assert json.loads(output)["steps"]["analyze robust-affine"]["files"] == ["analysis/robust-affine.nc"]
+    with xr.open_dataset(out / "analysis" / "robust-affine.nc", engine="h5netcdf") as flow:
         assert "velocity_x" in flow
     assert list((out / "figures").rglob("*.png"))
     status, _, error = softbed("score", photographs)

@@ -75,7 +75,7 @@ class PicturePair:
     def constrain_again(
         self, constraints: "Constraints", models: np.ndarray, places: np.ndarray
     ) -> "Constraints":
-        """The same constraints but for some places, rows and columns (P, 2) int32, that move otherwise now."""
+        """The same, but at some places, rows and columns (P, 2) int32, where models are others now."""
         from soft.flow.robust_affine import kernels
 
         values = constraints.values.copy()
@@ -104,7 +104,7 @@ class Constraints:
     slopes: np.ndarray
 
     def noise(self) -> float:
-        """Standard deviation of the residuals, grey levels, from their median magnitude: outliers don't count."""
+        """Standard deviation of the residuals, grey levels, from their median: outliers do not count."""
         some = self.values[::3, ::3]
         residual = np.abs(some[:, :, 4][some[:, :, 3] > 0])
         return 1.4826 * float(np.median(residual)) + 1e-3 if residual.size else 1.0

@@ -52,7 +52,7 @@ _AROUND = 6
 _CURVED = 2
 """Up to this one there is something left to fit once more."""
 _SLOPE_NOISE = 1.2
-"""Factor on the variance by noise, for what the slopes' noise and interpolation add; measured, see the tests."""
+"""Factor on the variance by noise, for what interpolation adds: measured on `sand_rotation`, seed 101."""
 
 
 @dataclass(frozen=True)

@@ -165,12 +165,12 @@ def blended(at_nodes: ti.template(), stride, row, column):
     fy = ti.cast(row - line * stride, ti.f32) / stride
     model = ti.Vector.zero(ti.f32, 6)
     for j, i in ti.static(ti.ndrange(2, 2)):
-        l, n = (below if ti.static(j == 1) else line), (beside if ti.static(i == 1) else node)
+        r, n = (below if ti.static(j == 1) else line), (beside if ti.static(i == 1) else node)
         share = (fx if ti.static(i == 1) else 1 - fx) * (fy if ti.static(j == 1) else 1 - fy)
-        x, y = ti.cast(column - n * stride, ti.f32), ti.cast(row - l * stride, ti.f32)
+        x, y = ti.cast(column - n * stride, ti.f32), ti.cast(row - r * stride, ti.f32)
         for k in ti.static((0, 3)):
-            ux, uy = at_nodes[l, n, k + 1], at_nodes[l, n, k + 2]
-            model[k] += share * (at_nodes[l, n, k] + ux * x + uy * y)
+            ux, uy = at_nodes[r, n, k + 1], at_nodes[r, n, k + 2]
+            model[k] += share * (at_nodes[r, n, k] + ux * x + uy * y)
             model[k + 1] += share * ux
             model[k + 2] += share * uy
     return model
@@ -381,10 +381,10 @@ def try_neighbours(
     height, across = cost.shape[0], cost.shape[1]
     for place in range(places.shape[0]):
         row, column = places[place, 0], places[place, 1]
-        l, n = ti.max(0, ti.min(height - 1, row + down)), ti.max(0, ti.min(across - 1, column + right))
-        x, y = ti.cast(column - n, ti.f32), ti.cast(row - l, ti.f32)
-        u = models[l, n, 0] + models[l, n, 1] * x + models[l, n, 2] * y
-        v = models[l, n, 3] + models[l, n, 4] * x + models[l, n, 5] * y
+        r, n = ti.max(0, ti.min(height - 1, row + down)), ti.max(0, ti.min(across - 1, column + right))
+        x, y = ti.cast(column - n, ti.f32), ti.cast(row - r, ti.f32)
+        u = models[r, n, 0] + models[r, n, 1] * x + models[r, n, 2] * y
+        v = models[r, n, 3] + models[r, n, 4] * x + models[r, n, 5] * y
         grey = sample(coefficients, column + u, row + v)[0]
         z = (gain[row, column, 0] * grey + gain[row, column, 1] - first[row, column, 0]) / width
         here = usable[row, column] * inside(column + u, row + v, height, across)
@@ -392,7 +392,7 @@ def try_neighbours(
         candidates[place, 0] = u
         candidates[place, 3] = v
         for k in ti.static((1, 2, 4, 5)):
-            candidates[place, k] = models[l, n, k]
+            candidates[place, k] = models[r, n, k]
 
 
 @ti.kernel
@@ -432,18 +432,18 @@ def refit(
         m = ti.Matrix.zero(ti.f32, 6, 6)
         b = ti.Vector.zero(ti.f32, 6)
         weights = ti.cast(0, ti.f32)
-        for l in range(ti.max(0, row - reach), ti.min(height, row + reach + 1)):
+        for r in range(ti.max(0, row - reach), ti.min(height, row + reach + 1)):
             for c in range(ti.max(0, column - reach), ti.min(across, column + reach + 1)):
-                x, y = (c - column) / scale, (l - row) / scale
+                x, y = (c - column) / scale, (r - row) / scale
                 near = 1 - (x * x + y * y) / 6.25
                 u = model[0] + model[1] * x + model[2] * y
                 v = model[3] + model[4] * x + model[5] * y
-                du, dv = (u - models[l, c, 0]) / apart, (v - models[l, c, 3]) / apart
+                du, dv = (u - models[r, c, 0]) / apart, (v - models[r, c, 3]) / apart
                 alike = 1 - (du * du + dv * dv) / 9
                 if near > 0 and alike > 0:
-                    jx, jy, d = constraint[l, c, 0], constraint[l, c, 1], constraint[l, c, 2]
+                    jx, jy, d = constraint[r, c, 0], constraint[r, c, 1], constraint[r, c, 2]
                     z = (jx * u + jy * v - d) / width
-                    weight = constraint[l, c, 3] * near * near * alike * alike / (1 + z * z / 2)
+                    weight = constraint[r, c, 3] * near * near * alike * alike / (1 + z * z / 2)
                     weights += weight
                     j = ti.Vector([jx, jx * x, jx * y, jy, jy * x, jy * y])
                     for i in ti.static(range(6)):

@@ -1,6 +1,6 @@
 """Affine fits in Gaussian windows of several sizes, and the size that each pixel can bear.
 
-In a window the motion is affine (the paper's Eq. 4) and the constraints are met in the least squares, robustly
+In a window the motion is affine (the paper's Eq. 4) and the constraints are met in least squares, robustly
 weighted. A second fit to what the first one left unexplained takes out most of what smoothing costs where
 motion is curved ("twicing": Tukey, *Exploratory Data Analysis*, 1977): a window may be the larger for it.
 
@@ -98,7 +98,7 @@ class Fit:
         return spread(self.at_nodes, self.window.stride, shape)
 
     def variance(self, noise: float, *, twice: bool) -> np.ndarray:
-        """Variance of u and v at every node that noise of the pictures leaves, px^2: (lines, nodes, 2) float32.
+        """Variance of u and v at every node by noise of the pictures, px^2: (lines, nodes, 2) float32.
 
         ``noise^2 / (4 pi sigma^2)`` times the inverse of the mean of the slopes' squares: a Gaussian window
         averages over 4 pi sigma^2 px. The gradient's uncertainty does not come in: at the middle of a window
@@ -198,7 +198,7 @@ class Chosen:
     smallest_variance : (H, W, 2) float32
         Of them.
     jump : (H, W) float32
-        How far apart the fits of the smallest and of a middling window are beyond what noise makes likely, px.
+        How far the smallest and a middling window's fits lie apart beyond what noise makes likely, px.
     """
 
     models: np.ndarray

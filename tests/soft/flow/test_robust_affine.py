@@ -73,7 +73,7 @@ def test_thirty_px_a_frame():
 
 
 def test_what_leaves_the_picture_is_not_valid():
-    first, second, truth = affine_pair((6.0, 0.0), np.zeros((2, 2)))
+    first, second, _ = affine_pair((6.0, 0.0), np.zeros((2, 2)))
     field = estimate_flow(first, second, method="robust-affine")
     assert not field.valid[:, -5:].any() and field.valid[2:-2, 10:-10].all()
 
@@ -117,7 +117,7 @@ def test_uncertainty_covers_the_errors_of_noise():
 
 
 def test_uncertainty_is_large_where_motion_breaks_off():
-    first, second, truth = broken_pair(4.0)
+    first, second, _ = broken_pair(4.0)
     field = estimate_flow(first, second, method="robust-affine")
     near, far = field.uncertainty[SHAPE[0] // 2 - 3, 15:-15, 0], field.uncertainty[30, 15:-15, 0]
     assert np.median(near) > 5 * np.median(far)
