@@ -145,8 +145,10 @@ class _Titled(Table):
 
     @property
     def simulation_hash(self) -> str:
-        """SHA-256 over what the motion depends on: the scene without its pictures and labels."""
-        return _digest({k: v for k, v in self.to_dict().items() if k not in _PICTURE_TABLES | _LABELS})
+        """SHA-256 over what the motion depends on: the scene without its pictures, looks and labels."""
+        told = {k: v for k, v in self.to_dict().items() if k not in _PICTURE_TABLES | _LABELS}
+        told.get("soil", {}).pop("look", None)
+        return _digest(told)
 
 
 class _Scene(_Titled):

@@ -5,7 +5,6 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from synth.camera.implement_face import ImplementFace, face_of
-from synth.camera.soil_region import soil_in_view
 from synth.camera.tiles import TILE, TiledGrains, sort_into_tiles
 from synth.camera.view import View
 
@@ -18,7 +17,7 @@ if TYPE_CHECKING:
     from synth.scene import Scene
 
 VOID_REACH = 3
-"""px; a void this far from every visible grain is no longer the soil's: it is air."""
+"""px; a void that a disc of this radius fits in is no longer the soil's: it is air."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,20 +89,19 @@ def cover(
         cover_kernels.cover_by_implement(
             face.x, face.y, face.parts, numbers, sampling, margin, samples, centres
         )
-    soil = _soil(soil_in_view(recording, placement.frame, view, face), centres)
+    soil = _soil(centres)
     return Cover(view, tiled, face, samples, centres, soil, sampling, margin)
 
 
-def _soil(region: "np.ndarray", centres: "np.ndarray") -> "np.ndarray":
-    """Pixels whose centres show a grain, and the voids of the region close to one; (H, W) bool."""
+def _soil(centres: "np.ndarray") -> "np.ndarray":
+    """Pixels whose centres show a grain, and the voids between grains and implement; (H, W) bool."""
     import cv2
     import numpy as np
 
     from synth.camera import cover_kernels
 
-    grain = (centres != cover_kernels.NOTHING) & (centres != cover_kernels.IMPLEMENT)
-    if not grain.any():
-        return grain
-    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (2 * VOID_REACH - 1, 2 * VOID_REACH - 1))
-    near = cv2.dilate(grain.view(np.uint8), disc).view(bool)
-    return grain | (region & (centres == cover_kernels.NOTHING) & near)
+    implement = centres == cover_kernels.IMPLEMENT
+    filled = (centres != cover_kernels.NOTHING).view(np.uint8)
+    side = 2 * VOID_REACH + 1
+    disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (side, side))
+    return cv2.morphologyEx(filled, cv2.MORPH_CLOSE, disc).view(bool) & ~implement

@@ -35,6 +35,10 @@ class Texture(Table):
     )
     roundness: float = Field(ge=0, le=1, description="0: grains are flat plates, 1: half spheres")
     facet_slope: float = Field(ge=0, le=2, description="standard deviation of the slope of a grain's face")
+    patches: float = Field(
+        default=0.0, ge=0, le=0.3, description="of the albedo over many grains, standard deviation / mean"
+    )
+    patch_size: float = Field(default=0.04, gt=0, le=1, description="m, longest wave of the patches")
 
 
 class Light(Table):

@@ -1,4 +1,4 @@
-"""Which part of the glass is soil: the particles' discs, with the pores between them closed."""
+"""Which part of the glass is soil at first: the particles' discs, pores closed, outline smoothed."""
 
 import math
 from dataclasses import dataclass
@@ -15,6 +15,8 @@ if TYPE_CHECKING:
 
 _PORE = 0.75
 """Pores up to this radius, in mean particle diameters, hold soil that is finer than the particles."""
+_SMOOTHING = 1.5
+"""Deviation, in mean particle diameters, of the Gaussian that takes the particles' bumps off the outline."""
 
 
 @dataclass(frozen=True)
@@ -53,18 +55,6 @@ def first_region(recording: "Recording", scene: "Scene") -> SoilRegion:
         return _plate_region(recording, scene)
     seen = _ever_seen(recording, scene)
     return _region_of(seen, recording, scene)
-
-
-def soil_in_view(
-    recording: "Recording", frame: int, view: View, face: "ImplementFace | None"
-) -> "np.ndarray":
-    """Where a frame's particles and the pores between them are: (H, W) bool, the implement taken out."""
-    import numpy as np
-
-    if recording.data.sizes["particle"] == 0:
-        return np.ones((view.height, view.width), bool)
-    everything = np.ones(recording.data.sizes["particle"], bool)
-    return _closed_discs(recording, frame, view, face, everything)
 
 
 def _plate_region(recording: "Recording", scene: "Scene") -> SoilRegion:
@@ -108,8 +98,8 @@ def _region_of(seen: "np.ndarray", recording: "Recording", scene: "Scene") -> So
     x, z = recording.data["position_x"].values[0][seen], recording.data["position_z"].values[0][seen]
     margin = 2 * particle_diameter(recording)
     view = _view_over((x.min() - margin, x.max() + margin, z.min() - margin, z.max() + margin), scene)
-    face = face_of(scene, recording, 0, view)
-    return SoilRegion(view, _closed_discs(recording, 0, view, face, seen))
+    smooth = scene.texture.motion == "interpolated"
+    return SoilRegion(view, _outlined(recording, view, face_of(scene, recording, 0, view), seen, smooth))
 
 
 def _view_over(bounds: tuple[float, float, float, float], scene: "Scene") -> View:
@@ -124,25 +114,33 @@ def particle_diameter(recording: "Recording") -> float:
     return 2 * float(recording.data["radius"].values.mean())
 
 
-def _closed_discs(
-    recording: "Recording", frame: int, view: View, face: "ImplementFace | None", chosen: "np.ndarray"
+def _outlined(
+    recording: "Recording", view: View, face: "ImplementFace | None", chosen: "np.ndarray", smooth: bool
 ) -> "np.ndarray":
-    """Union of particle discs and implement, its pores closed, less the implement; (H, W) bool.
+    """Union of the first frame's discs and the implement, pores closed, less the implement; (H, W) bool.
 
-    The implement takes part in the closing: the gaps between the round particles and its rim are pores, too.
+    The implement takes part: the gaps between the round particles and its rim are pores, too. Where soil is
+    finer than the particles, its outline is smooth on their scale: that where a Gaussian blur of it falls to
+    a half, which keeps straight outlines in place and cuts as much off bumps as it fills of dents. Only what
+    is close to particles is soil.
     """
+    import cv2
     import numpy as np
 
-    reach = view.length_to_image(_PORE * particle_diameter(recording))
-    pad = math.ceil(2 * reach) + 2
+    diameter = view.length_to_image(particle_diameter(recording))
+    pad = math.ceil(4 * _SMOOTHING * diameter) + 2
     wide = view.padded(pad)
-    mask = _discs(recording, frame, wide, chosen)
+    mask = _discs(recording, 0, wide, chosen)
+    near = _distance_to(mask) <= _PORE * diameter
     outside = np.ones_like(mask)
     if face is not None:
         outside = face.padded(pad).distance() > 0
         mask |= ~outside
-    inner = (slice(pad, -pad), slice(pad, -pad))
-    return (_closing(mask, reach) & outside)[inner]
+    mask = _closing(mask, _PORE * diameter)
+    if smooth:
+        blurred = cv2.GaussianBlur(mask.astype(np.float32), (0, 0), _SMOOTHING * diameter)
+        mask = (blurred > 0.5) & near
+    return (mask & outside)[pad:-pad, pad:-pad]
 
 
 def _discs(recording: "Recording", frame: int, view: View, chosen: "np.ndarray") -> "np.ndarray":
@@ -163,12 +161,14 @@ def _discs(recording: "Recording", frame: int, view: View, chosen: "np.ndarray")
 
 def _closing(mask: "np.ndarray", reach: float) -> "np.ndarray":
     """Dilate, then erode by the same reach (px), by distances good to 2 %."""
+    if not mask.any():
+        return mask
+    return mask | (_distance_to(_distance_to(mask) > reach) > reach)
+
+
+def _distance_to(mask: "np.ndarray") -> "np.ndarray":
+    """Distance of every pixel to the nearest one of a mask, px; good to 2 %."""
     import cv2
     import numpy as np
 
-    if not mask.any():
-        return mask
-    outside = cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)
-    dilated = (outside <= reach).astype(np.uint8)
-    inside = cv2.distanceTransform(dilated, cv2.DIST_L2, cv2.DIST_MASK_5)
-    return mask | (inside > reach)
+    return cv2.distanceTransform((~mask).astype(np.uint8), cv2.DIST_L2, cv2.DIST_MASK_5)

@@ -23,6 +23,7 @@ class Purpose(IntEnum):
     EXCHANGE = 8
     GLASS = 9
     DIRT = 10
+    PATCHES = 11
 
 
 def random_stream(seed: int, purpose: Purpose, frame: int = 0) -> "np.random.Generator":

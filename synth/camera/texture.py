@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 
 from scipy.special import ndtr, ndtri
 
+from synth.camera.patches import patches_at
 from synth.camera.streams import Purpose, random_stream
 from synth.soil import GrainSizes
 
@@ -56,7 +57,7 @@ class MicroGrains:
 def strew(scene: "Scene", region: "SoilRegion") -> MicroGrains:
     """Strew micro-grains uniformly over a region's bounds and keep those inside the soil."""
     x, z, diameter = _places_and_sizes(scene, region)
-    return _with_looks(scene, x, z, diameter)
+    return _with_looks(scene, x, z, diameter, patches_at(scene, region.bounds, x, z))
 
 
 def draw_diameters(sizes: GrainSizes, count: int, generator: "np.random.Generator") -> "np.ndarray":
@@ -162,12 +163,14 @@ def _cell_order(
     )
 
 
-def _with_looks(scene: "Scene", x: "np.ndarray", z: "np.ndarray", diameter: "np.ndarray") -> MicroGrains:
+def _with_looks(
+    scene: "Scene", x: "np.ndarray", z: "np.ndarray", diameter: "np.ndarray", patches: "np.ndarray"
+) -> MicroGrains:
     import numpy as np
 
     count, look, texture = len(x), scene.soil.look, scene.texture
     looks = random_stream(scene.seed, Purpose.LOOKS)
-    albedo = np.clip(looks.normal(look.albedo, look.albedo_deviation, count), 0.02, 1.0)
+    albedo = np.clip(looks.normal(look.albedo, look.albedo_deviation, count) * patches, 0.02, 1.0)
     slopes = looks.normal(0.0, texture.facet_slope, (2, count)).astype(np.float32)
     depth = random_stream(scene.seed, Purpose.DEPTHS).integers(0, DEEPEST, count, dtype=np.int32)
     # At depth 0..1 of the texture lie 0..coverage layers of grains in front, and each takes its share.

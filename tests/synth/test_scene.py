@@ -56,6 +56,9 @@ def test_pictures_do_not_change_the_simulation_hash():
     other = {**tables, "sensor": {**tables["sensor"], "read_noise": 20.0}}
     assert parse_scene(other).simulation_hash == parse_scene(tables).simulation_hash
     assert parse_scene(other).hash != parse_scene(tables).hash
+    darker = {**tables, "soil": {**tables["soil"], "look": {"albedo": 0.3, "albedo_deviation": 0.1}}}
+    assert parse_scene(darker).simulation_hash == parse_scene(tables).simulation_hash
+    assert parse_scene(darker).hash != parse_scene(tables).hash
     assert parse_scene({**tables, "seed": 1}).simulation_hash != parse_scene(tables).simulation_hash
 
 

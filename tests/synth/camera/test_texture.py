@@ -2,6 +2,7 @@ import numpy as np
 import pytest
 from scipy.special import ndtr
 
+from synth.camera.patches import patch_field
 from synth.camera.soil_region import first_region
 from synth.camera.texture import DEEPEST, draw_diameters, drawn_sizes, mean_grain_area, strew, tone_behind
 
@@ -54,7 +55,10 @@ def test_the_seed_alone_decides(rest, grains):
     assert not np.array_equal(grains.x[:100], other.x[:100])
 
 
-def test_deeper_grains_are_darker(grains):
+def test_deeper_grains_are_darker(rest):
+    light = rest.scene.light.model_copy(update={"shade": 0.3})
+    scene = rest.scene.model_copy(update={"light": light})
+    grains = strew(scene, first_region(rest.recording, scene))
     front = grains.brightness[grains.depth < DEEPEST // 10].mean()
     back = grains.brightness[grains.depth > DEEPEST // 10 * 9].mean()
     assert back < 0.8 * front
@@ -68,6 +72,24 @@ def test_pores_between_particles_are_soil_and_the_air_above_is_not(cases, taichi
     inside = np.linspace(-0.01, 0.01, 200) + cases.centre[0]
     assert region.contains(inside, np.full(200, cases.centre[1] - 0.006)).all()
     assert not region.contains(inside, np.full(200, cases.centre[1] + 0.0025)).any()
+
+
+def test_soil_finer_than_the_particles_has_a_smooth_surface_in_their_middle(cases, taichi):
+    x, z = cases.lattice()
+    below = z < cases.centre[1] + np.random.default_rng(4).uniform(-0.5e-3, 0.5e-3, len(z))
+    recording = cases.recording([x[below]] * 2, [z[below]] * 2)
+    surface = {}
+    for motion in ("interpolated", "carried"):
+        region = first_region(recording, cases.scene(texture={"motion": motion}))
+        surface[motion] = region.mask[:, 60:-60].sum(axis=0)  # the ends of the heap slope
+    along = np.arange(len(surface["carried"]))
+    bumps = {
+        motion: np.std(height - np.polyval(np.polyfit(along, height, 3), along))
+        for motion, height in surface.items()
+    }
+    assert bumps["carried"] > 1  # px; particles have 10
+    assert bumps["interpolated"] < 0.5 * bumps["carried"]
+    assert surface["interpolated"].mean() == pytest.approx(surface["carried"].mean(), abs=2)
 
 
 def test_a_recording_without_soil_in_view_is_refused(cases, taichi):
@@ -102,3 +124,25 @@ def test_a_cut_above_every_grain_is_refused(rest):
     scene = rest.scene.model_copy(update={"soil": rest.scene.soil.model_copy(update={"grain_sizes": sizes})})
     with pytest.raises(ValueError, match=r"texture\.smallest_drawn = 2\.0 px: .* is allowed"):
         drawn_sizes(coarse(scene, 2.0))
+
+
+def test_patches_have_as_much_variance_in_every_octave_and_the_deviation_asked_for():
+    longest = 64.0
+    fields = np.array([patch_field((128, 128), longest, np.random.default_rng(seed)) for seed in range(40)])
+    assert np.mean(fields**2) == pytest.approx(1, rel=0.15)
+    power = np.mean(np.abs(np.fft.fft2(fields * np.outer(np.hanning(128), np.hanning(128)))) ** 2, axis=0)
+    wave = np.hypot(np.fft.fftfreq(128)[:, None], np.fft.fftfreq(128)[None, :])
+    octaves = [power[(wave >= low) & (wave < 2 * low)].sum() for low in (0.06, 0.12, 0.24)]
+    assert octaves == pytest.approx([np.mean(octaves)] * 3, rel=0.15)
+
+
+def test_patches_are_part_of_the_grains_albedo(rest, cases):
+    plain = strew(rest.scene, first_region(rest.recording, rest.scene))
+    scene = cases.scene(texture={"patches": 0.0})
+    even = strew(scene, first_region(rest.recording, scene))
+    ratio = plain.brightness / even.brightness
+    assert np.array_equal(plain.x, even.x)
+    assert 0.2 * rest.scene.texture.patches < ratio.std() < 2 * rest.scene.texture.patches
+    # Neighbours lie in one patch.
+    near = np.hypot(np.diff(plain.x), np.diff(plain.z)) < cases.pixel
+    assert np.abs(np.diff(ratio)[near]).mean() < 0.3 * ratio.std()
