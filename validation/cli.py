@@ -436,6 +436,36 @@ def compare_pictures(
     terminal.give(compare.comparison_document(first, second, out))
 
 
+@app.command("contact-sheet")
+def contact_sheet(
+    out: Annotated[Path, typer.Argument(metavar="OUT", help="A folder; every run is in OUT/runs.")],
+    scene: Annotated[
+        list[str] | None,
+        typer.Option("--scene", metavar="SCENE", help="Only this one; may repeat.", show_default=False),
+    ] = None,
+    resume: Resume = True,
+    threads: Threads = None,
+    device: Device = "cpu",
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Lay out a picture of every shipped scene, clean and disturbed: OUT/contact-sheet.jpg.
+
+    Scenes are simulated in their quick versions. Called again, it does only what is missing.
+    """
+    from synth import scene_names
+    from validation import chain
+    from validation.contact_sheet import make_contact_sheet
+
+    terminal = Terminal(json=json)
+    with terminal.working():
+        names = scene or [*scene_names()]
+        work = chain.Work(device, threads)
+        sheet = make_contact_sheet(out, names, resume=resume, work=work, terminal=terminal)
+    terminal.show(str(sheet))
+    terminal.give({"schema_version": 1, "sheet": str(sheet), "scenes": names})
+
+
 @app.command()
 def verify(
     name: Annotated[Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver.")],

@@ -14,6 +14,8 @@ STUDIES = {
     "convergence": "their change, and that of the flow, with speed-up, box, time step and seed",
     "glass-friction": "soil's motion at the glass against that at mid-plane, by glass friction",
     "grouser-spacing": "soil pushed ahead of the wheel against the number of grousers",
+    "nuisance": "error of every estimator against each severity of what disturbs a picture",
+    "texture": "error in complex flow against particle size, by how the texture moves",
     "rim-compliance": "soil motion below a wheel with an elastic rim / below the rigid one",
 }
 """What each is about, by name."""

@@ -68,7 +68,13 @@ def carry_out(
                 chain.simulate(run, case.scene, work=work, terminal=terminal, **options)
                 digests[case.label] = run.manifest.steps["simulate"].facts["digest"]
                 runs.append(Run(case, run.recording))
-        key = key_of(step=f"study {name}", made_by=package_version("softbed"), recordings=digests)
+        key = key_of(
+            step=f"study {name}",
+            made_by=package_version("softbed"),
+            recordings=digests,
+            scenes={case.label: case.scene.hash for case in cases},
+            **study.inputs,
+        )
         if folder.why_do(f"study {name}", key) is not None:
             labels = {"study": name, "scene": scene.name, "seed": scene.seed, "quick": quick}
             _write(folder, name, key, labels, study, runs)

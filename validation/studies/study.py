@@ -85,6 +85,11 @@ class Study(ABC):
     def cases(self, scene: SoilBinScene, *, quick: bool) -> list[Case]:
         """What to run; `scene` is what the cases start from, quick itself where that is asked for."""
 
+    @property
+    def inputs(self) -> Mapping[str, Any]:
+        """What the findings depend on besides the recordings and the scenes; anything JSON can hold."""
+        return {}
+
     @abstractmethod
     def find(self, runs: Sequence[Run]) -> Findings:
         """Look into the recordings, in the order of the cases."""

@@ -49,7 +49,8 @@ def test_every_study_is_found_by_its_name():
 def test_cases_are_scenes_with_folders_of_their_own(name, quick):
     study = find_study(name)
     cases = study.cases(load_scene(study.scene, quick=quick), quick=quick)
-    assert len({case.label for case in cases}) == len({case.scene.simulation_hash for case in cases}) >= 3
+    assert len({case.label for case in cases}) == len({case.scene.simulation_hash for case in cases})
+    assert len(cases) >= (1 if name == "nuisance" else 3)  # that one's cases are pictures
 
 
 def test_mean_flow_is_a_linear_field_and_its_shear_rate():

@@ -1,0 +1,68 @@
+"""Part of a recording photographed anew, and the error of every estimator in these pictures."""
+
+import tempfile
+from collections.abc import Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from validation.metrics import ErrorSummary
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from synth import Footage, Recording
+    from synth.scene import Scene
+
+WRONG = "1.0"
+"""px, error above which a pixel is told to be wrong; of `validation.metrics.WRONG_ABOVE`."""
+
+
+def picture_errors(
+    recording: "Recording", scene: "Scene", methods: Sequence[str], *, pair_count: int
+) -> dict[str, dict[str, ErrorSummary]]:
+    """Errors of every method in every stratum, over the pairs in the middle of a recording.
+
+    Parameters
+    ----------
+    recording : Recording
+    scene : Scene
+        The scene it was made with; the tables that only pictures depend on may differ.
+    methods : sequence of str
+        Names of estimators.
+    pair_count : int
+        Pairs, at most; a recording may have fewer.
+    """
+    from synth import Recording, render
+    from validation.score import score_flows
+
+    count = min(pair_count, recording.frame_count - 1)
+    first = (recording.frame_count - 1 - count) // 2
+    part = Recording(recording.data.isel(frame=slice(first, first + count + 1)))
+    with (
+        tempfile.TemporaryDirectory() as folder,
+        render(part, scene, Path(folder) / "footage") as footage,
+    ):
+        return score_flows(footage, {method: _measured(footage, method) for method in methods})
+
+
+def _measured(footage: "Footage", method: str) -> "xr.Dataset":
+    """Displacement between consecutive pictures over pair, y and x: NaN where it was not measured."""
+    import numpy as np
+    import xarray as xr
+
+    from soft.flow import estimate_flow
+
+    fields = []
+    for pair in range(footage.pair_count):
+        first, second = (_grey(footage.picture(frame)) for frame in (pair, pair + 1))
+        field = estimate_flow(first, second, method=method)
+        fields.append(np.where(field.valid[..., None], field.displacement, np.nan))
+    both = np.stack(fields)
+    return xr.Dataset({name: (("pair", "y", "x"), both[..., k]) for k, name in enumerate("uv")})
+
+
+def _grey(picture):
+    """Grey levels 0-255, float32, of a picture of 8 or 16 bit."""
+    import numpy as np
+
+    return picture.astype(np.float32) / (np.iinfo(picture.dtype).max / 255)
