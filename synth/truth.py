@@ -189,9 +189,9 @@ def pair_truth(
     view, next_view = covered.view, View.of(scene, recording, second)
     next_face = face_of(scene, recording, second, next_view)
     there = still_there(placement, next_placement)
-    states = _states(placement, next_placement, there)
-    arrays = _motion_arrays(covered, states, next_view, next_face, surroundings)
-    arrays["mixed"] = _mixed(covered, states, next_view, next_face, arrays["distance_to_implement"])
+    moved = _rigid_motions(covered, _states(placement, next_placement, there), next_view)
+    arrays = _motion_arrays(covered, placement, moved, next_face, surroundings)
+    arrays["mixed"] = _mixed(covered, moved, next_face, arrays["distance_to_implement"])
     arrays.update(_discontinuities(arrays))
     arrays["strain_rate"] /= abs(second - first)
     arrays["rotation"] /= second - first
@@ -221,10 +221,40 @@ def _placements(motion: "Motion", frames: set[int]) -> "dict[int, Placement]":
         placement = motion.advance(placement)
 
 
+@dataclass(frozen=True, eq=False)
+class _RigidMotions:
+    """Motion of the tiled grains, and its spread in each tile: see `truth_kernels.rigid_motions`."""
+
+    motion: "np.ndarray"
+    spread: "np.ndarray"
+
+
+def _rigid_motions(covered: "Cover", states: "tuple[np.ndarray, ...]", next_view: "View") -> _RigidMotions:
+    import numpy as np
+
+    from synth.camera import truth_kernels
+
+    tiled = covered.tiled
+    motion = np.empty((len(tiled.grain), 6), np.float32)
+    spread = np.empty(len(tiled.first) - 1, np.float32)
+    truth_kernels.rigid_motions(
+        tiled.first,
+        tiled.grain,
+        tiled.place,
+        covered.sampling,
+        *states,
+        truth_kernels.projection.numbers(covered.view.numbers),
+        truth_kernels.projection.numbers(next_view.numbers),
+        motion,
+        spread,
+    )
+    return _RigidMotions(motion, spread)
+
+
 def _motion_arrays(
     covered: "Cover",
-    states: "tuple[np.ndarray, ...]",
-    next_view: "View",
+    placement: "Placement",
+    moved: _RigidMotions,
     next_face: "ImplementFace | None",
     surroundings: "Surroundings",
 ) -> "dict[str, np.ndarray]":
@@ -240,9 +270,10 @@ def _motion_arrays(
     truth_kernels.grain_motion(
         _filled_voids(covered),
         covered.tiled.grain,
-        *states,
+        placement.x,
+        placement.z,
+        moved.motion,
         truth_kernels.projection.numbers(covered.view.numbers),
-        truth_kernels.projection.numbers(next_view.numbers),
         surroundings.strain,
         surroundings.particle,
         arrays["u"],
@@ -347,11 +378,7 @@ def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[fl
 
 
 def _mixed(
-    covered: "Cover",
-    states: "tuple[np.ndarray, ...]",
-    next_view: "View",
-    next_face: "ImplementFace | None",
-    outside: "np.ndarray",
+    covered: "Cover", moved: _RigidMotions, next_face: "ImplementFace | None", outside: "np.ndarray"
 ) -> "np.ndarray":
     import numpy as np
 
@@ -359,20 +386,6 @@ def _mixed(
     from synth.camera.tiles import TILE
 
     tiled, face = covered.tiled, covered.face
-    view = truth_kernels.projection.numbers(covered.view.numbers)
-    motion = np.empty((len(tiled.grain), 5), np.float32)
-    spread = np.empty(len(tiled.first) - 1, np.float32)
-    truth_kernels.rigid_motions(
-        tiled.first,
-        tiled.grain,
-        tiled.place,
-        covered.sampling,
-        *states,
-        view,
-        truth_kernels.projection.numbers(next_view.numbers),
-        motion,
-        spread,
-    )
     body = (0.0,) * 6
     if face is not None and next_face is not None:
         body = (face.x, face.y, *_rigid_motion(face, next_face))
@@ -381,11 +394,11 @@ def _mixed(
         covered.samples,
         tiled.columns,
         tiled.place,
-        motion,
-        spread,
+        moved.motion,
+        moved.spread,
         outside,
         truth_kernels.body_vector(body),
-        view,
+        truth_kernels.projection.numbers(covered.view.numbers),
         TILE,
         tiled.index_mask,
         covered.sampling,

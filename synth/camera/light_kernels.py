@@ -100,9 +100,9 @@ def grain_radiance(
                     across, down = off_x + face[k][1], off_y + face[k][2]
                     lit, aside = front * lamp_front, across * lamp_side
                     lamps = ti.max(lit - aside, zero) + ti.max(lit + aside, zero)
-                    length = ti.sqrt(across * across + down * down + front * front)
+                    shorter = ti.rsqrt(across * across + down * down + front * front)
                     radiance[row + j, column + i] = ti.select(
-                        grain, light * (ambient + diffuse * lamps / length), back
+                        grain, light * (ambient + diffuse * lamps * shorter), back
                     )
 
 

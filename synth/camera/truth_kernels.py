@@ -20,9 +20,6 @@ _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 body_vector = ti.types.vector(6, ti.f64)
 """The implement's argument of `find_mixed`."""
 
-_BLOCK = 256
-"""Items that a thread does at a time."""
-
 
 @ti.kernel
 def fill_voids(
@@ -120,59 +117,10 @@ def _rigid(off_x, off_y, move_x, move_y, cosine_less_one, sine):
 
 
 @ti.kernel
-def grain_motion(
-    filled: _i32_table,
-    grain: _i32,
-    x: _f64,
-    z: _f64,
-    angle: _f64,
-    next_x: _f64,
-    next_z: _f64,
-    next_angle: _f64,
-    next_alive: _u8,
-    view: projection.numbers,
-    next_view: projection.numbers,
-    strain: _f32,
-    particle: _i32,
-    u: _f32_table,
-    v: _f32_table,
-    rotation: _f32_table,
-    pixel_strain: _f32_table,
-    pixel_particle: _i32_table,
-):
-    """Motion of the grain at every pixel centre; NaN, and particle -1, without one or where it is lost."""
-    for j in range(filled.shape[0]):
-        for i in range(filled.shape[1]):
-            k = filled[j, i]
-            nothing = ti.cast(ti.math.nan, ti.f32)
-            moved_u, moved_v, turned, strained, near = nothing, nothing, nothing, nothing, -1
-            if k >= 0:
-                g = grain[k]
-                near = particle[g]
-                if next_alive[g] == 1:
-                    turn = angle[g] - next_angle[g]  # the picture's angles go the other way round
-                    spin = _spin(turn)
-                    at = projection.to_image(view, x[g], z[g])
-                    to = projection.to_image(next_view, next_x[g], next_z[g])
-                    moved = _rigid(
-                        i - at[0],
-                        j - at[1],
-                        to[0] - at[0],
-                        to[1] - at[1],
-                        spin[0],
-                        spin[1],
-                    )
-                    moved_u, moved_v = ti.cast(moved[0], ti.f32), ti.cast(moved[1], ti.f32)
-                    turned, strained = ti.cast(turn, ti.f32), strain[g]
-            u[j, i], v[j, i], rotation[j, i], pixel_strain[j, i] = moved_u, moved_v, turned, strained
-            pixel_particle[j, i] = near
-
-
-@ti.kernel
 def rigid_motions(
     first: _i32,
     grain: _i32,
-    radius: _f32_table,
+    place: _f32_table,
     sampling: ti.template(),
     x: _f64,
     z: _f64,
@@ -186,7 +134,7 @@ def rigid_motions(
     motion: _f32_table,
     spread: _f32,
 ):
-    """Displacement of every tiled grain, cos - 1 and sin of its turn, 1 unless it is lost by the next frame.
+    """Displacement of every tiled grain, cos - 1 and sin of its turn, 1 unless it is lost, and its turn.
 
     `spread` is, for every tile, a bound on how far apart the motions of its grains' points are, px.
     """
@@ -197,15 +145,53 @@ def rigid_motions(
             g = grain[k]
             at = projection.to_image(view, x[g], z[g])
             to = projection.to_image(next_view, next_x[g], next_z[g])
-            turn = angle[g] - next_angle[g]
+            turn = angle[g] - next_angle[g]  # the picture's angles go the other way round
             spin = _spin(turn)
             motion[k, 0], motion[k, 1] = ti.cast(to[0] - at[0], ti.f32), ti.cast(to[1] - at[1], ti.f32)
             motion[k, 2], motion[k, 3] = ti.cast(spin[0], ti.f32), ti.cast(spin[1], ti.f32)
-            motion[k, 4] = ti.cast(next_alive[g], ti.f32)
+            motion[k, 4], motion[k, 5] = ti.cast(next_alive[g], ti.f32), ti.cast(turn, ti.f32)
             if next_alive[g] == 1:
                 low, high = ti.min(low, to - at), ti.max(high, to - at)
-                own = ti.max(own, (ti.abs(spin[1]) - spin[0]) * radius[k, 2] / sampling)
+                own = ti.max(own, (ti.abs(spin[1]) - spin[0]) * place[k, 2] / sampling)
         spread[t] = ti.cast((high - low).norm() + 2.0 * own, ti.f32)
+
+
+@ti.kernel
+def grain_motion(
+    filled: _i32_table,
+    grain: _i32,
+    x: _f64,
+    z: _f64,
+    motion: _f32_table,
+    view: projection.numbers,
+    strain: _f32,
+    particle: _i32,
+    u: _f32_table,
+    v: _f32_table,
+    rotation: _f32_table,
+    pixel_strain: _f32_table,
+    pixel_particle: _i32_table,
+):
+    """Motion of the grain at every pixel centre; NaN, and particle -1, without one or where it is lost.
+
+    `motion` is that of `rigid_motions`.
+    """
+    for j in range(filled.shape[0]):
+        for i in range(filled.shape[1]):
+            k = filled[j, i]
+            nothing = ti.cast(ti.math.nan, ti.f32)
+            moved_u, moved_v, turned, strained, near = nothing, nothing, nothing, nothing, -1
+            if k >= 0:
+                g = grain[k]
+                near = particle[g]
+                if motion[k, 4] > 0.0:
+                    at = projection.to_image(view, x[g], z[g])
+                    off_x, off_y = ti.cast(i - at[0], ti.f32), ti.cast(j - at[1], ti.f32)
+                    moved = _rigid(off_x, off_y, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3])
+                    moved_u, moved_v = moved[0], moved[1]
+                    turned, strained = motion[k, 5], strain[g]
+            u[j, i], v[j, i], rotation[j, i], pixel_strain[j, i] = moved_u, moved_v, turned, strained
+            pixel_particle[j, i] = near
 
 
 @ti.func
