@@ -10,7 +10,6 @@ if TYPE_CHECKING:
     from synth.scene import AnalyticScene, AnyScene
 
 CARD_FILE = "README.md"
-LICENCE = "[CC BY 4.0](https://creativecommons.org/licenses/by/4.0/)"
 
 _CARD = """\
 # Footage of the scene `{scene}`
@@ -73,7 +72,7 @@ def write_data_card(footage: "Footage", scene: "AnyScene") -> None:
         scale=1000 * camera.metres_per_pixel,
         truth=_analytic(scene) if isinstance(scene, AnalyticScene) else _RENDERED,
         scene_hash=scene.hash,
-        licence=LICENCE,
+        licence=scene.data_licence,
         chunk=f"1 x {camera.height} x {camera.width}",
         file_bytes=(footage.folder / "truth.nc").stat().st_size,
         rows="\n".join(_row(name, variable) for name, variable in footage.variables.items()),

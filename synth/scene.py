@@ -31,7 +31,7 @@ GRAVITY = 9.81
 _LOOSEST = 0.74
 """Solid fraction of discs, at least."""
 _PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "nuisance", "grains"}
-_LABELS = {"name", "description", "quick"}
+_LABELS = {"name", "description", "quick", "data_licence"}
 _LONGEST_SHOWN = 80
 """Characters of a value that a complaint shows."""
 _RIVALS = {"settling_friction": "relative_density", "relative_density": "settling_friction"}
@@ -127,6 +127,11 @@ class _Titled(Table):
     description: str
     seed: int = Field(default=0, ge=0, lt=2**63)
     quick: bool = False
+    data_licence: str = Field(
+        default="CC-BY-4.0",
+        pattern=r"^[^\r\n]{1,200}$",
+        description="of the footage, which is whoever renders it's to choose: an SPDX name, or words",
+    )
 
     def to_dict(self) -> dict[str, Any]:
         """Every key with its value, defaults included; what is not given and has no value is left out."""

@@ -457,6 +457,7 @@ def file_attributes(scene: "AnyScene") -> dict[str, Any]:
         "scene_hash": scene.hash,
         "seed": scene.seed,
         "quick": int(scene.quick),
+        "license": scene.data_licence,
         "frame_rate": scene.timing.frame_rate,
         "metres_per_pixel": scene.camera.metres_per_pixel,
         "frame": "x right, y down, integer at pixel centres; displacements forward, on the first frame",

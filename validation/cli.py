@@ -414,6 +414,8 @@ def compare_pictures(
     crop_b: Annotated[
         str | None, typer.Option(metavar="X,Y,W,H", help="Only this part of B, px.", show_default=False)
     ] = None,
+    bin_a: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Make N x N px of A one.")] = 1,
+    bin_b: Annotated[int, typer.Option(min=1, max=64, metavar="N", help="Make N x N px of B one.")] = 1,
     out: Annotated[Path, typer.Option("--out", metavar="FILE", help="The figure to write, a PNG.")] = Path(
         "compare-pictures.png"
     ),
@@ -428,8 +430,8 @@ def compare_pictures(
     with terminal.working():
         crops = [None if text is None else compare.Crop.parse(text) for text in (crop_a, crop_b)]
         first, second = (
-            compare.picture_statistics(compare.read_pictures(path, crop), path.name)
-            for path, crop in zip((a, b), crops, strict=True)
+            compare.picture_statistics(compare.read_pictures(path, crop, binning=side), path.name)
+            for path, crop, side in zip((a, b), crops, (bin_a, bin_b), strict=True)
         )
         out.write_bytes(to_png(compare.draw_comparison(first, second)))
     terminal.show("\n".join([*compare.comparison_lines(first, second), f"figure: {out}"]))

@@ -140,8 +140,16 @@ QUANTITIES = {
 }
 
 
-def read_pictures(path: Path, crop: Crop | None = None) -> list[np.ndarray]:
+def read_pictures(path: Path, crop: Crop | None = None, *, binning: int = 1) -> list[np.ndarray]:
     """Grey levels (0-255) of a picture file, or of up to eight pictures of a folder, evenly chosen.
+
+    Parameters
+    ----------
+    path : Path
+    crop : Crop, optional
+        Only this part.
+    binning : int
+        Every `binning` x `binning` px of it are averaged to one.
 
     Raises
     ------
@@ -162,7 +170,15 @@ def read_pictures(path: Path, crop: Crop | None = None) -> list[np.ndarray]:
         chosen = np.linspace(0, len(files) - 1, min(len(files), _MOST_PICTURES))
         files = [files[round(index)] for index in chosen]
     pictures = [read_picture(file) for file in files]
-    return pictures if crop is None else [crop.of(picture, path.name) for picture in pictures]
+    cropped = pictures if crop is None else [crop.of(picture, path.name) for picture in pictures]
+    return [_binned(picture, binning) for picture in cropped]
+
+
+def _binned(picture: np.ndarray, side: int) -> np.ndarray:
+    """Means over squares of `side` px; what is left over at the right and at the bottom is cut off."""
+    rows, columns = picture.shape[0] // side, picture.shape[1] // side
+    whole = picture[: rows * side, : columns * side].astype(np.float32)
+    return np.asarray(whole.reshape(rows, side, columns, side).mean(axis=(1, 3)))
 
 
 def picture_statistics(pictures: Sequence[np.ndarray], name: str) -> PictureStatistics:

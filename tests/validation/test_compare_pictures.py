@@ -79,6 +79,14 @@ def test_a_folder_is_taken_as_one_set(tmp_path, white):
     assert np.array_equal(pictures[0], read_pictures(tmp_path / "p0.png")[0][20:220, 10:310])
 
 
+def test_binning_averages_squares(tmp_path):
+    picture = np.arange(70 * 40, dtype=np.uint8).reshape(70, 40)
+    Image.fromarray(picture).save(tmp_path / "picture.png")
+    (binned,) = read_pictures(tmp_path / "picture.png", Crop(1, 2, 38, 67), binning=3)
+    assert binned.shape == (22, 12)
+    assert binned[1, 2] == pytest.approx(picture[5:8, 7:10].mean())
+
+
 def test_the_command(softbed, tmp_path, white):
     for name, blur in (("a", 1.0), ("b", 3.0)):
         picture = 120 + 80 * gaussian_filter(white, blur)

@@ -11,6 +11,7 @@ import xarray as xr
 
 import soft
 import synth
+from synth.scene import parse_scene
 from validation.cli import run_command
 from validation.exchange import FORMATS, motion_colours
 
@@ -144,7 +145,17 @@ def test_the_data_card_lists_every_variable(finished_run):
         for name in ("u", "particle_id"):  # lazy, chunked by pair, compressed
             encoding = truth[name].encoding
             assert encoding["chunksizes"] == (1, 80, 96) and encoding["zlib"]
-    assert "CC BY 4.0" in card and "tiny" in card
+    assert "Licence of this data: CC-BY-4.0." in card and "tiny" in card
+
+
+def test_whoever_renders_chooses_the_licence(tmp_path):
+    tables = synth.load_scene("sand_rotation", quick=True).to_dict()
+    scene = parse_scene({**tables, "data_licence": "LicenseRef-our-lab-only"})
+    with synth.render(synth.simulate(scene), scene, tmp_path / "footage") as footage:
+        assert footage.attributes["license"] == "LicenseRef-our-lab-only"
+    assert "Licence of this data: LicenseRef-our-lab-only." in (tmp_path / "footage/README.md").read_text()
+    with pytest.raises(synth.SceneError, match="data_licence = "):
+        parse_scene({**tables, "data_licence": "two\nlines"})
 
 
 def test_checksums_are_those_of_common_tools(finished_run):

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 import tomli_w
 
+from soft.flow import BUILT_IN
 from synth import Recording, load_scene
 from synth.recording import VARIABLES
 from validation.studies import STUDIES, find_study
@@ -219,3 +220,55 @@ def test_grouser_spacing_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, mo
     assert (table["forward_share_of_frames"] >= table["forward_share"] - 0.05).all()
     assert "the grouser spacing equation needs" in json.loads(output)["conclusion"]
     assert softbed("study", "grouser-spacing", out, "--scene", tiny_wheel_scene)[0] == 2
+
+
+def test_nuisances_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
+    severities = {"vibration": (2.0,), "reflections": (0.4,)}
+    monkeypatch.setattr("validation.studies.nuisance.SEVERITIES", severities)
+    status, output, error = softbed("study", "nuisance", tmp_path, "--scene", tiny_wheel_scene, "--json")
+    assert status == 0, error
+    rows = json.loads(output)["rows"]
+    methods = {row["method"] for row in rows}
+    assert methods == set(BUILT_IN)
+    cases = {(row["scene"], row["nuisance"], row["stratum"]) for row in rows}
+    assert cases == {
+        *(("plate_rotation", name, "all") for name in ("none", "reflections")),  # that camera stands
+        *(
+            ("rolling_wheel", name, stratum)
+            for name in ("none", *severities)
+            for stratum in ("all", "complex")
+        ),
+    }
+    assert len(rows) == len(cases) * len(methods)
+
+    def p95(scene, nuisance):
+        return np.mean(
+            [r["p95"] for r in rows if (r["scene"], r["nuisance"], r["stratum"]) == (scene, nuisance, "all")]
+        )
+
+    # A glow that stands in the picture while soil moves under it draws the measured motion to zero.
+    assert p95("plate_rotation", "reflections") > 1.5 * p95("plate_rotation", "none")
+    assert (tmp_path / "nuisance.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_textures_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.studies.texture._FACTORS", (1.0, 1.3))
+    status, output, error = softbed("study", "texture", tmp_path, "--scene", tiny_wheel_scene, "--json")
+    assert status == 0, error
+    rows = json.loads(output)["rows"]
+    keys = {(row["grain_diameter"], row["texture"], row["method"]) for row in rows}
+    assert len(rows) == len(keys) == 2 * 2 * len(BUILT_IN)
+    # Of one recording, every method is judged on the same pixels, and rigid tiles tear soil more.
+    for diameter, texture in {(row["grain_diameter"], row["texture"]) for row in rows}:
+        counts = {
+            row["pixel_count"]
+            for row in rows
+            if (row["grain_diameter"], row["texture"]) == (diameter, texture)
+        }
+        assert len(counts) == 1
+    by_texture = {
+        texture: np.mean([row["complex_share"] for row in rows if row["texture"] == texture])
+        for texture in ("interpolated", "carried")
+    }
+    assert by_texture["carried"] > by_texture["interpolated"]
+    assert (tmp_path / "texture.png").read_bytes()[:4] == b"\x89PNG"
