@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import TYPE_CHECKING
 
 from scipy.special import erf
@@ -190,6 +191,7 @@ def _lens_and_pixel(blur: float, sampling: int) -> "np.ndarray":
     return (weight / weight.sum()).astype(np.float32)
 
 
+@lru_cache(maxsize=1)
 def _vignette(height: int, width: int, loss: float) -> "np.ndarray":
     """Share of the light that arrives: 1 on the axis, 1 - `loss` in the corners, by the squared distance."""
     import numpy as np
@@ -197,4 +199,6 @@ def _vignette(height: int, width: int, loss: float) -> "np.ndarray":
     x = np.arange(width, dtype=np.float32) - np.float32((width - 1) / 2)
     y = np.arange(height, dtype=np.float32) - np.float32((height - 1) / 2)
     square = x[None, :] ** 2 + y[:, None] ** 2
-    return 1 - np.float32(loss) * square / max(float(square.max()), 1.0)
+    passed = 1 - np.float32(loss) * square / max(float(square.max()), 1.0)
+    passed.flags.writeable = False  # every picture of a sequence has the same
+    return passed

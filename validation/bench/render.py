@@ -4,6 +4,7 @@ import resource
 import tempfile
 import time
 from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from statistics import median
 from typing import TYPE_CHECKING
@@ -50,16 +51,13 @@ def bench_render(
     for case, sampling in enumerate(supersampling):
         scene = _scene(sampling)
         recording = rolling_field(scene, FRAME_COUNT)
-        runs: list[StageClock] = []
-        rates: list[float] = []
+        runs: list[_Rendering] = []
         _rendered(recording, scene)  # kernels are compiled, or read from the cache
         for repeat in range(repeats):
-            rate, clock = _rendered(recording, scene)
-            rates.append(rate)
-            runs.append(clock)
+            runs.append(_rendered(recording, scene))
             if progress is not None:
                 progress(case * repeats + repeat + 1, total)
-        rows += _rows(scene, recording, rates, runs)
+        rows += _rows(scene, recording, runs)
     return rows
 
 
@@ -73,27 +71,48 @@ def _scene(sampling: int) -> "SoilBinScene":
     return scene
 
 
-def _rendered(recording: "Recording", scene: "SoilBinScene") -> "tuple[float, StageClock]":
-    """Frames a second after the first one, which waits for the texture to be strewn; and the stages."""
+@dataclass(frozen=True)
+class _Rendering:
+    """What one rendering took.
+
+    Attributes
+    ----------
+    rate : float
+        Frames a second after the first one, which waits for the texture to be strewn.
+    processor : float
+        Seconds of all cores together for each of these: another program on the machine hardly changes them.
+    clock : StageClock
+    """
+
+    rate: float
+    processor: float
+    clock: "StageClock"
+
+
+def _rendered(recording: "Recording", scene: "SoilBinScene") -> _Rendering:
     from synth.camera.render import render
     from synth.camera.stages import StageClock
 
-    clock, times = StageClock(), []
+    clock, times, processor = StageClock(), [], []
+
+    def frame_done(*_: int) -> None:
+        times.append(time.perf_counter())
+        processor.append(time.process_time())
+
     with tempfile.TemporaryDirectory() as folder:
         render(
             recording,
             scene,
             Path(folder) / "footage",
-            progress=lambda *_: times.append(time.perf_counter()),
+            progress=frame_done,
             clock=clock,
         ).close()
-        ended = time.perf_counter()
-    return (len(times) - 1) / (ended - times[0]), clock
+        frame_done()
+    frames = len(times) - 2
+    return _Rendering(frames / (times[-1] - times[0]), (processor[-1] - processor[0]) / frames, clock)
 
 
-def _rows(
-    scene: "SoilBinScene", recording: "Recording", rates: list[float], runs: "list[StageClock]"
-) -> list[BenchRow]:
+def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering]) -> list[BenchRow]:
     camera, version = scene.camera, package_version("softbed")
     case = f"{camera.width} x {camera.height} px, {camera.supersampling} x {camera.supersampling} samples"
 
@@ -102,14 +121,15 @@ def _rows(
 
     visible, in_view = _micro_grains(scene, recording)
     rows = [
-        row("pictures with truth", rates, "1/s"),
+        row("pictures with truth", [run.rate for run in runs], "1/s"),
+        row("processor time", [run.processor for run in runs], "s/picture"),
         row("micro-grains that are seen", [float(visible)], "1"),
         row("micro-grains in view, hidden ones too", [float(in_view)], "1"),
     ]
-    for stage in runs[0].seconds:
+    for stage in runs[0].clock.seconds:
         unit = "s" if stage == "strewing" else "s/picture"
         frames = 1 if stage == "strewing" else FRAME_COUNT
-        rows.append(row(stage, [run.seconds[stage] / frames for run in runs], unit))
+        rows.append(row(stage, [run.clock.seconds[stage] / frames for run in runs], unit))
     peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
     return [*rows, row("peak memory of the process so far", [peak], "GiB")]
 
