@@ -27,6 +27,8 @@ RUNS = "runs"
 CLEAN = "clean"
 LEVELS = {CLEAN: None, "light": 0, "heavy": 2}
 """Which of `SEVERITIES` every nuisance has, all at once."""
+_SAMPLES = 4
+"""Along each side of a pixel: fewer than for measuring, since the sheet shows pictures reduced."""
 _CELL = (200, 400)
 """px, height and width of a picture on the sheet."""
 _DOTS_PER_INCH = 100
@@ -157,31 +159,51 @@ def _pictures(folder: RunFolder, scene: "AnyScene", run: RunFolder) -> list[Path
 
 
 def _at_level(scene: "AnyScene", level: int | None) -> "AnyScene":
-    if level is None:
-        return scene
-    changes = {name: several[level] for name, several in SEVERITIES.items()}
-    return disturbed(_photographed(scene), changes)
-
-
-def _photographed(scene: "AnyScene") -> "Scene":
     from synth.scene import AnalyticScene
 
-    assert not isinstance(scene, AnalyticScene)
-    return scene
+    if isinstance(scene, AnalyticScene):
+        return scene
+    camera = scene.camera.model_copy(update={"supersampling": _SAMPLES})
+    coarse = scene.model_copy(update={"camera": camera})
+    if level is None:
+        return coarse
+    return disturbed(coarse, {name: several[level] for name, several in SEVERITIES.items()})
 
 
 def _take(recording: "Recording", scene: "AnyScene", path: Path) -> None:
     """Take the picture in the middle of a recording."""
-    from synth import Recording, render
+    from synth import Recording
     from synth.footage import write_picture
+    from synth.scene import AnalyticScene
 
     middle = max((recording.frame_count - 1) // 2, 1)
     part = Recording(recording.data.isel(frame=slice(middle - 1, middle + 1)))
-    with tempfile.TemporaryDirectory() as place, render(part, scene, Path(place) / "footage") as footage:
-        picture = footage.picture(1)
+    picture = _analytic(part, scene) if isinstance(scene, AnalyticScene) else _photograph(part, scene)
     if picture.dtype != np.uint8:
         picture = np.rint(picture / 257).astype(np.uint8)
     write_picture(path, picture)
+
+
+def _analytic(part: "Recording", scene: "AnyScene") -> np.ndarray:
+    from synth import render
+
+    with tempfile.TemporaryDirectory() as place, render(part, scene, Path(place) / "footage") as footage:
+        return footage.picture(0)
+
+
+def _photograph(part: "Recording", scene: "Scene") -> np.ndarray:
+    """The second of two frames alone, without truth."""
+    from synth.camera.nuisance import as_seen
+    from synth.camera.photographer import Photographer
+    from synth.devices import start_taichi
+    from synth.truth import grains_and_motion
+
+    start_taichi()
+    seen = as_seen(part, scene)
+    grains, motion = grains_and_motion(seen, scene)
+    first = motion.start()
+    _, picture = Photographer(scene, seen, grains, motion).take(motion.advance(first), first)
+    return picture
 
 
 def _digests(folder: RunFolder, rows: "dict[str, list[Path]]") -> dict[str, list[str]]:
