@@ -137,10 +137,11 @@ class Recording:
         `CONTACT_VARIABLES`, over `frame` and `contact`, of
         `SLAB_VARIABLES`, and of `RIM_VARIABLES`, over `frame` and `node`, and `sample`. Attributes:
         `schema_version`, `simulation_hash`, `surface_height` (m), `solid_fraction`, and what the simulator
-        reports of its own
-        soundness (`synth.dem.soundness`): `inertial_number_median`, `inertial_number_p95`, `mean_pressure`
-        (Pa, under the implement), `stiffness_ratio` (contact stiffness / mean pressure), `overlap_mean`,
-        `overlap_p99`, `overlap_max` (/ mean grain diameter), `steps_per_contact`. One that had to stop has
+        reports of its own soundness (`synth.dem.soundness`): `inertial_number_median`,
+        `inertial_number_p95`, and the same of soil that carries the load, `inertial_number_carrying_median`,
+        `inertial_number_carrying_p95`; `mean_pressure` (Pa, under the implement), `stiffness_ratio` (contact
+        stiffness / mean pressure), `overlap_mean`, `overlap_p99`, `overlap_max` (/ mean diameter of the two),
+        `steps_per_contact`. One that had to stop has
         `stopped`, the reason, instead.
     """
 

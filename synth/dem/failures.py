@@ -64,7 +64,7 @@ def check(solver: "Solver", scene: SoilBinScene, start: "Tool") -> float:
     Returns
     -------
     float
-        The greatest overlap of two grains / mean grain diameter.
+        The greatest overlap of two grains / their mean diameter.
 
     Raises
     ------
@@ -78,9 +78,9 @@ def check(solver: "Solver", scene: SoilBinScene, start: "Tool") -> float:
     check_implement(tool, scene, start)
     check_inside(grains, tool, scene)
     pairs, overlap = solver.contacts()
-    diameter = 2 * float(grains.radius.mean())
-    check_overlaps(grains, pairs, overlap / diameter, scene)
-    return float(overlap.max(initial=0.0)) / diameter
+    overlap = overlap / grains.radius[pairs].sum(axis=0)
+    check_overlaps(grains, pairs, overlap, scene)
+    return float(overlap.max(initial=0.0))
 
 
 def check_numbers(grains: "Grains") -> None:
@@ -115,7 +115,7 @@ def check_bin(grains: "Grains", scene: SoilBinScene, start: "Tool") -> None:
 
 
 def check_overlaps(grains: "Grains", pairs: np.ndarray, overlap: np.ndarray, scene: SoilBinScene) -> None:
-    """Stop where two grains lie in each other; `overlap` is that of `pairs` / mean diameter."""
+    """Stop where two grains lie in each other; `overlap` is that of `pairs` / their mean diameter."""
     if overlap.size == 0 or overlap.max() <= LARGEST_OVERLAP:
         return
     worst = int(overlap.argmax())

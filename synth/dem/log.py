@@ -120,7 +120,7 @@ class RunLog:
         Columns as in a recording: sample_time, travel, slip, sinkage, force_x, force_z, torque; of a wheel
         with an elastic rim also deflection, contact_length, rolling_radius.
     greatest_overlap : float
-        Of two grains at the end of an interval / mean grain diameter.
+        Of two grains at the end of an interval / their mean diameter.
     """
 
     def __init__(

@@ -5,6 +5,10 @@ number), their contacts are stiff against it (stiffness / pressure, overlap), an
 resolved. The dimensionless numbers are those of da Cruz, Emam, Prochnow, Roux, Chevoir, *Physical Review E*
 72 (2005) 021309; the limits are this project's.
 
+The inertial number's limit holds for the soil that carries the load: every grain that moves counts by its
+share of it, pressure x volume. Counted alike, the number says nothing of the speed: under a free surface
+pressure goes to nothing and the number beyond any limit, however slowly the implement is driven.
+
 All is computed from a few recorded frames, after the run; nothing here feeds back into it.
 """
 
@@ -26,7 +30,9 @@ from synth.scene import GRAVITY, SoilBinScene
 _FRAMES = 8
 """Frames looked at, evenly over the run."""
 _AVERAGED_OVER = 2.5
-"""Radius around a grain that its velocity gradient and pressure are averaged over / mean grain diameter."""
+"""Radius around a grain that its velocity gradient and pressure are averaged over / mean diameter there."""
+_NEAREST = 12
+"""Grains that the mean diameter at a place is taken of."""
 _MOVING = 0.1
 """Soil that moves: grains faster than this share of the implement's speed."""
 
@@ -71,8 +77,15 @@ class Quantity:
 _SLOWER = "take timing.speed_up lower"
 _STIFFER = "take contact.normal_stiffness higher"
 QUANTITIES = (
-    Quantity("inertial_number_median", "inertial number, median"),
-    Quantity("inertial_number_p95", "inertial number, 95 %", limit=3e-3, advice=_SLOWER),
+    Quantity("inertial_number_median", "inertial number of soil that moves, median"),
+    Quantity("inertial_number_p95", "inertial number of soil that moves, 95 %"),
+    Quantity("inertial_number_carrying_median", "inertial number of soil that carries the load, median"),
+    Quantity(
+        "inertial_number_carrying_p95",
+        "inertial number of soil that carries the load, 95 %",
+        limit=3e-3,
+        advice=_SLOWER,
+    ),
     Quantity("mean_pressure", "mean pressure under the implement", unit="Pa"),
     Quantity(
         "stiffness_ratio", "contact stiffness / mean pressure", limit=1000.0, at_most=False, advice=_STIFFER
@@ -138,12 +151,15 @@ def soundness_of(scene: SoilBinScene, time_step: float, log: RunLog) -> dict[str
     chosen = np.unique(np.linspace(0, len(log.frames) - 1, _FRAMES).astype(int))
     frames = [log.frames[index] for index in chosen]
     law, density = contact_law(scene), scene.soil.bulk_density
-    inertial = np.concatenate([inertial_numbers(frame, law, density) for frame in frames])
+    moving = [inertial_numbers(frame, law, density) for frame in frames]
+    inertial, carried = np.concatenate(moving, axis=1)
     overlap = np.concatenate([_overlaps(frame.grains) for frame in frames])
     found = {"steps_per_contact": shortest_contact(frames[0].grains, law) / time_step}
     if inertial.size:
         found["inertial_number_median"] = float(np.median(inertial))
         found["inertial_number_p95"] = float(np.quantile(inertial, 0.95))
+        found["inertial_number_carrying_median"] = weighted_quantile(inertial, carried, 0.5)
+        found["inertial_number_carrying_p95"] = weighted_quantile(inertial, carried, 0.95)
     if overlap.size:
         found["overlap_mean"] = float(overlap.mean())
         found["overlap_p99"] = float(np.quantile(overlap, 0.99))
@@ -192,8 +208,8 @@ def inertial_numbers(frame: Frame, law: Law, bulk_density: float) -> np.ndarray:
     """Inertial number of every grain that moves: shear rate x diameter x root(grain density / pressure).
 
     Everything in simulated time. Shear rate and pressure are those around the grain, averaged over 2.5
-    diameters. Grains under less than a layer of a grain's thickness are left out: there is no continuum
-    around them.
+    diameters; diameter is the mean there. Grains under less than a layer of a grain's thickness are left
+    out: there is no continuum around them.
 
     Parameters
     ----------
@@ -203,19 +219,42 @@ def inertial_numbers(frame: Frame, law: Law, bulk_density: float) -> np.ndarray:
 
     Returns
     -------
-    ndarray, shape (moving,)
+    ndarray, shape (2, moving)
+        The numbers; and what each grain carries, pressure x volume, N m (of discs N).
     """
     grains = frame.grains
-    diameter = 2 * float(grains.radius.mean())
     chosen = np.flatnonzero(_moving(frame))
     if chosen.size == 0:
-        return np.zeros(0)
+        return np.zeros((2, 0))
+    diameter = _diameter_around(grains, chosen)
     near = _Surroundings.of(grains.position, chosen, _AVERAGED_OVER * diameter)
     rate = near.shear_rate(grains.in_plane, grains.velocity[[0, -1]])
     solid_fraction = bulk_density / grains.density
     pressure = solid_fraction * near.mean(virials(grains, frame.tool, law)) / near.mean(grains.volume)
     carries = (pressure > bulk_density * GRAVITY * diameter) & np.isfinite(rate)
-    return rate[carries] * diameter * np.sqrt(grains.density / pressure[carries])
+    diameter, pressure = diameter[carries], pressure[carries]
+    numbers = rate[carries] * diameter * np.sqrt(grains.density / pressure)
+    return np.stack([numbers, pressure * grains.volume[chosen][carries]])
+
+
+def weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:
+    """The smallest value up to which, in ascending order, values hold that share of all weight.
+
+    Parameters
+    ----------
+    values, weights : ndarray, shape (n,)
+        n > 0; weights not negative, and not all zero.
+    """
+    order = np.argsort(values, kind="stable")
+    held = np.cumsum(weights[order])
+    return float(values[order][np.searchsorted(held, share * held[-1])])
+
+
+def _diameter_around(grains: Grains, chosen: np.ndarray) -> np.ndarray:
+    """Mean diameter of the grains nearest to each chosen one, m, shape (chosen,)."""
+    count = min(_NEAREST, grains.count)
+    nearest = cKDTree(grains.position.T).query(grains.position[:, chosen].T, count)[1]
+    return np.asarray(2 * grains.radius[nearest.reshape(chosen.size, count)].mean(axis=1))
 
 
 def virials(grains: Grains, tool: Tool, law: Law) -> np.ndarray:
@@ -256,8 +295,9 @@ def _contacts(grains: Grains) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _overlaps(grains: Grains) -> np.ndarray:
-    """Overlap / mean grain diameter of every pair in contact."""
-    return _contacts(grains)[1] / (2 * grains.radius.mean())
+    """Overlap / the two grains' mean diameter, of every pair in contact."""
+    pairs, overlap = _contacts(grains)
+    return np.asarray(overlap / grains.radius[pairs].sum(axis=0))
 
 
 @dataclass(frozen=True)
@@ -269,7 +309,7 @@ class _Surroundings:
     grain: np.ndarray
 
     @classmethod
-    def of(cls, position: np.ndarray, chosen: np.ndarray, reach: float) -> "_Surroundings":
+    def of(cls, position: np.ndarray, chosen: np.ndarray, reach: np.ndarray) -> "_Surroundings":
         near = cKDTree(position.T).query_ball_point(position[:, chosen].T, reach)
         sizes = [len(grains) for grains in near]
         return cls(chosen.size, np.repeat(np.arange(chosen.size), sizes), np.concatenate(near).astype(int))

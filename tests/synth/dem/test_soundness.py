@@ -9,7 +9,7 @@ from synth import simulate
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
 from synth.dem.log import Frame
-from synth.dem.soundness import QUANTITIES, inertial_numbers, judge
+from synth.dem.soundness import QUANTITIES, inertial_numbers, judge, weighted_quantile
 from synth.dem.tool import Tool
 from synth.implements import Shape
 
@@ -33,19 +33,52 @@ def far_tool(speed):
 
 def test_inertial_number_of_simple_shear():
     rate = 3.0
-    numbers = inertial_numbers(Frame(far_tool(0.01), sheared_lattice(rate)), LAW, BULK)
+    numbers, carried = inertial_numbers(Frame(far_tool(0.01), sheared_lattice(rate)), LAW, BULK)
     pressure = np.sqrt(3) * STIFFNESS * OVERLAP / SPACING
     # Grains at the edges have fewer contacts; all others are alike.
     expected = rate * 2 * RADIUS * np.sqrt(DENSITY / pressure)
     assert np.median(numbers) == pytest.approx(expected, rel=1e-6)
     assert numbers.min() == pytest.approx(expected, rel=1e-6)
+    assert np.median(carried) == pytest.approx(pressure * np.pi * RADIUS**2, rel=1e-6)
+
+
+def test_inertial_number_knows_the_grains_around():
+    # The same soil, beside it of grains twice as large: the number is theirs, pressure is the same.
+    rate, fine = 3.0, sheared_lattice(3.0)
+    side = np.ptp(fine.position[0]) + 0.05
+    coarse = replace(
+        fine,
+        position=2 * fine.position + [[side], [0.0]],
+        velocity=2 * fine.velocity,
+        radius=2 * fine.radius,
+    )
+    both = [
+        np.concatenate([getattr(g, n) for g in (fine, coarse)], axis=-1) for n in ("position", "velocity")
+    ]
+    radius = np.concatenate([fine.radius, coarse.radius])
+    mixed = replace(Grains.at_rest(both[0], radius, DENSITY), velocity=both[1])
+    numbers, _ = inertial_numbers(Frame(far_tool(0.01), mixed), LAW, BULK)
+    pressure = np.sqrt(3) * STIFFNESS * OVERLAP / SPACING
+    single = rate * 2 * RADIUS * np.sqrt(DENSITY / pressure)
+    assert np.quantile(numbers, 0.25) == pytest.approx(single, rel=1e-6)
+    assert np.quantile(numbers, 0.75) == pytest.approx(2 * single, rel=1e-6)
+
+
+def test_weighted_quantile_of_a_known_case():
+    # Up to the value v in 1..100, weights v hold v (v + 1) / 2 of 5050: half of it at 71, 95 % at 98.
+    values = np.arange(1.0, 101.0)
+    shuffled = np.random.default_rng(0).permutation(values)
+    assert weighted_quantile(shuffled, shuffled, 0.5) == 71.0
+    assert weighted_quantile(shuffled, shuffled, 0.95) == 98.0
+    assert weighted_quantile(shuffled, np.ones(100), 0.95) == 95.0
+    assert weighted_quantile(np.array([5.0, 1.0]), np.array([0.0, 2.0]), 1.0) == 1.0
 
 
 def test_turning_as_a_whole_is_no_shear():
     grains = sheared_lattice(0.0)
     x, z = grains.position
     turning = replace(grains, velocity=np.stack([-2.0 * z, 2.0 * x]))
-    numbers = inertial_numbers(Frame(far_tool(0.01), turning), LAW, BULK)
+    numbers, _ = inertial_numbers(Frame(far_tool(0.01), turning), LAW, BULK)
     assert numbers.size and numbers.max() < 1e-9
 
 
@@ -63,7 +96,7 @@ def test_soil_that_carries_nothing_is_left_out():
 @pytest.mark.parametrize(
     ("attribute", "good", "bad"),
     [
-        ("inertial_number_p95", 2e-3, 4e-3),
+        ("inertial_number_carrying_p95", 2e-3, 4e-3),
         ("stiffness_ratio", 1500.0, 900.0),
         ("overlap_p99", 0.005, 0.011),
         ("steps_per_contact", 20.0, 15.0),
@@ -80,6 +113,8 @@ def test_a_run_reports_every_quantity(tiny_wheel):
     always = {quantity.attribute for quantity in QUANTITIES if "density" not in quantity.attribute}
     assert always <= set(attributes)
     assert 0 < attributes["inertial_number_median"] < attributes["inertial_number_p95"]
+    # The soil that carries the load is not the soil that moves fastest.
+    assert 0 < attributes["inertial_number_carrying_p95"] < attributes["inertial_number_p95"]
     assert attributes["overlap_mean"] < attributes["overlap_p99"] <= attributes["overlap_max"]
     assert attributes["steps_per_contact"] >= tiny_wheel.contact.steps_per_contact
     pressure, stiffness = attributes["mean_pressure"], tiny_wheel.contact.normal_stiffness
