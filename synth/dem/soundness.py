@@ -12,7 +12,7 @@ pressure goes to nothing and the number beyond any limit, however slowly the imp
 All is computed from a few recorded frames, after the run; nothing here feeds back into it.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
@@ -151,15 +151,15 @@ def soundness_of(scene: SoilBinScene, time_step: float, log: RunLog) -> dict[str
     chosen = np.unique(np.linspace(0, len(log.frames) - 1, _FRAMES).astype(int))
     frames = [log.frames[index] for index in chosen]
     law, density = contact_law(scene), scene.soil.bulk_density
-    moving = [inertial_numbers(frame, law, density) for frame in frames]
-    inertial, carried = np.concatenate(moving, axis=1)
+    moving = MovingSoil.together([moving_soil(frame, law, density) for frame in frames])
+    inertial = moving.inertial_number
     overlap = np.concatenate([_overlaps(frame.grains) for frame in frames])
     found = {"steps_per_contact": shortest_contact(frames[0].grains, law) / time_step}
     if inertial.size:
         found["inertial_number_median"] = float(np.median(inertial))
         found["inertial_number_p95"] = float(np.quantile(inertial, 0.95))
-        found["inertial_number_carrying_median"] = weighted_quantile(inertial, carried, 0.5)
-        found["inertial_number_carrying_p95"] = weighted_quantile(inertial, carried, 0.95)
+        found["inertial_number_carrying_median"] = weighted_quantile(inertial, moving.load, 0.5)
+        found["inertial_number_carrying_p95"] = weighted_quantile(inertial, moving.load, 0.95)
     if overlap.size:
         found["overlap_mean"] = float(overlap.mean())
         found["overlap_p99"] = float(np.quantile(overlap, 0.99))
@@ -204,37 +204,64 @@ def mean_pressure(scene: SoilBinScene, log: RunLog) -> float:
     return float(np.hypot(upward, along)) / implement.width / sinkage
 
 
-def inertial_numbers(frame: Frame, law: Law, bulk_density: float) -> np.ndarray:
-    """Inertial number of every grain that moves: shear rate x diameter x root(grain density / pressure).
+@dataclass(frozen=True)
+class MovingSoil:
+    """Grains that move and carry more than a layer of a grain's thickness, in simulated time.
 
-    Everything in simulated time. Shear rate and pressure are those around the grain, averaged over 2.5
-    diameters; diameter is the mean there. Grains under less than a layer of a grain's thickness are left
-    out: there is no continuum around them.
+    Attributes
+    ----------
+    inertial_number : ndarray, shape (n,)
+        Shear rate x diameter x root(grain density / pressure), all of them those around the grain.
+    pressure : ndarray, shape (n,)
+        Pa.
+    volume : ndarray, shape (n,)
+        Of the grain, m3; of discs m2.
+    """
+
+    inertial_number: np.ndarray
+    pressure: np.ndarray
+    volume: np.ndarray
+
+    @classmethod
+    def together(cls, parts: Sequence["MovingSoil"]) -> "MovingSoil":
+        """The grains of several moments."""
+        return cls(
+            np.concatenate([part.inertial_number for part in parts]),
+            np.concatenate([part.pressure for part in parts]),
+            np.concatenate([part.volume for part in parts]),
+        )
+
+    @property
+    def load(self) -> np.ndarray:
+        """What each grain carries: pressure x volume, N m; of discs N."""
+        return self.pressure * self.volume
+
+
+def moving_soil(frame: Frame, law: Law, bulk_density: float) -> MovingSoil:
+    """The soil that moves at a moment.
+
+    Shear rate and pressure are averaged over 2.5 diameters around each grain; diameter is the mean there.
+    Grains under less than a layer of a grain's thickness are left out: there is no continuum around them.
 
     Parameters
     ----------
     law : ContactLaw or HertzMindlinLaw
     bulk_density : float
         kg/m3.
-
-    Returns
-    -------
-    ndarray, shape (2, moving)
-        The numbers; and what each grain carries, pressure x volume, N m (of discs N).
     """
     grains = frame.grains
     chosen = np.flatnonzero(_moving(frame))
     if chosen.size == 0:
-        return np.zeros((2, 0))
+        return MovingSoil(*np.zeros((3, 0)))
     diameter = _diameter_around(grains, chosen)
     near = _Surroundings.of(grains.position, chosen, _AVERAGED_OVER * diameter)
     rate = near.shear_rate(grains.in_plane, grains.velocity[[0, -1]])
     solid_fraction = bulk_density / grains.density
     pressure = solid_fraction * near.mean(virials(grains, frame.tool, law)) / near.mean(grains.volume)
     carries = (pressure > bulk_density * GRAVITY * diameter) & np.isfinite(rate)
-    diameter, pressure = diameter[carries], pressure[carries]
-    numbers = rate[carries] * diameter * np.sqrt(grains.density / pressure)
-    return np.stack([numbers, pressure * grains.volume[chosen][carries]])
+    rate, diameter, pressure = rate[carries], diameter[carries], pressure[carries]
+    number = rate * diameter * np.sqrt(grains.density / pressure)
+    return MovingSoil(number, pressure, grains.volume[chosen][carries])
 
 
 def weighted_quantile(values: np.ndarray, weights: np.ndarray, share: float) -> float:

@@ -12,6 +12,7 @@ if TYPE_CHECKING:
 STUDIES = {
     "grain-size": "sinkage, drawbar pull, torque and shear-band width against grain diameter",
     "convergence": "their change, and that of the flow, with speed-up, box, time step and seed",
+    "speed-up": "what driving faster than in the laboratory changes, and the soil's inertial number",
     "glass-friction": "soil's motion at the glass against that at mid-plane, by glass friction",
     "grouser-spacing": "soil pushed ahead of the wheel against the number of grousers",
     "nuisance": "error of every estimator against each severity of what disturbs a picture",

@@ -9,7 +9,7 @@ from synth import simulate
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
 from synth.dem.log import Frame
-from synth.dem.soundness import QUANTITIES, inertial_numbers, judge, weighted_quantile
+from synth.dem.soundness import QUANTITIES, judge, moving_soil, weighted_quantile
 from synth.dem.tool import Tool
 from synth.implements import Shape
 
@@ -33,13 +33,14 @@ def far_tool(speed):
 
 def test_inertial_number_of_simple_shear():
     rate = 3.0
-    numbers, carried = inertial_numbers(Frame(far_tool(0.01), sheared_lattice(rate)), LAW, BULK)
+    soil = moving_soil(Frame(far_tool(0.01), sheared_lattice(rate)), LAW, BULK)
+    numbers = soil.inertial_number
     pressure = np.sqrt(3) * STIFFNESS * OVERLAP / SPACING
     # Grains at the edges have fewer contacts; all others are alike.
     expected = rate * 2 * RADIUS * np.sqrt(DENSITY / pressure)
     assert np.median(numbers) == pytest.approx(expected, rel=1e-6)
     assert numbers.min() == pytest.approx(expected, rel=1e-6)
-    assert np.median(carried) == pytest.approx(pressure * np.pi * RADIUS**2, rel=1e-6)
+    assert np.median(soil.load) == pytest.approx(pressure * np.pi * RADIUS**2, rel=1e-6)
 
 
 def test_inertial_number_knows_the_grains_around():
@@ -57,7 +58,7 @@ def test_inertial_number_knows_the_grains_around():
     ]
     radius = np.concatenate([fine.radius, coarse.radius])
     mixed = replace(Grains.at_rest(both[0], radius, DENSITY), velocity=both[1])
-    numbers, _ = inertial_numbers(Frame(far_tool(0.01), mixed), LAW, BULK)
+    numbers = moving_soil(Frame(far_tool(0.01), mixed), LAW, BULK).inertial_number
     pressure = np.sqrt(3) * STIFFNESS * OVERLAP / SPACING
     single = rate * 2 * RADIUS * np.sqrt(DENSITY / pressure)
     assert np.quantile(numbers, 0.25) == pytest.approx(single, rel=1e-6)
@@ -78,19 +79,19 @@ def test_turning_as_a_whole_is_no_shear():
     grains = sheared_lattice(0.0)
     x, z = grains.position
     turning = replace(grains, velocity=np.stack([-2.0 * z, 2.0 * x]))
-    numbers, _ = inertial_numbers(Frame(far_tool(0.01), turning), LAW, BULK)
+    numbers = moving_soil(Frame(far_tool(0.01), turning), LAW, BULK).inertial_number
     assert numbers.size and numbers.max() < 1e-9
 
 
 def test_soil_at_rest_and_an_implement_at_rest_have_none():
-    assert inertial_numbers(Frame(far_tool(0.1), sheared_lattice(0.0)), LAW, BULK).size == 0
-    assert inertial_numbers(Frame(far_tool(0.0), sheared_lattice(3.0)), LAW, BULK).size == 0
+    assert moving_soil(Frame(far_tool(0.1), sheared_lattice(0.0)), LAW, BULK).inertial_number.size == 0
+    assert moving_soil(Frame(far_tool(0.0), sheared_lattice(3.0)), LAW, BULK).inertial_number.size == 0
 
 
 def test_soil_that_carries_nothing_is_left_out():
     loose = sheared_lattice(3.0)
     apart = replace(loose, position=1.1 * loose.position)
-    assert inertial_numbers(Frame(far_tool(0.01), apart), LAW, BULK).size == 0
+    assert moving_soil(Frame(far_tool(0.01), apart), LAW, BULK).inertial_number.size == 0
 
 
 @pytest.mark.parametrize(
