@@ -49,6 +49,12 @@ class Program:
         vx, vz, spin, load = (float(np.interp(time, self.time, column)) for column in columns)
         return vx, vz, spin, load
 
+    def travel(self, time: float) -> float:
+        """Travel along the bin since touch-down at a time, m."""
+        knots = np.append(self.time[self.time < time], time)
+        speed = np.interp(knots, self.time, self.velocity_x)
+        return float(np.trapezoid(speed, knots))
+
     def reach_x(self, end: float) -> tuple[float, float]:
         """Least and greatest travel along the bin up to the time `end`, m."""
         times = np.unique(np.append(np.linspace(self.time[0], end, 2001), self.time[self.time <= end]))

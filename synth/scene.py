@@ -42,6 +42,20 @@ class SceneError(ValueError):
     """A scene that cannot be used; the message names file, key, value and what is allowed."""
 
 
+class FineRegion(Table):
+    """Where a bed's grains are finest: between two verticals, from a height up to the surface."""
+
+    left: float = Field(description="m, from the left end wall")
+    right: float = Field(description="m, from the left end wall")
+    bottom: float = Field(description="m, above the floor")
+
+    @model_validator(mode="after")
+    def _has_a_width(self) -> Self:
+        if not self.left < self.right:
+            raise ValueError(f"left < right is needed, got {self.left} and {self.right} m")
+        return self
+
+
 class Bed(Table):
     """The soil bed as it is prepared."""
 
@@ -50,6 +64,16 @@ class Bed(Table):
     grain_diameter: float = Field(gt=0, description="m, mean diameter of the simulated particles")
     polydispersity: float = Field(
         ge=0, le=0.5, description="half-width of the uniform spread / mean diameter"
+    )
+    coarsening: float = Field(
+        default=1.0,
+        ge=1,
+        le=8,
+        description="mean diameter of the coarsest grains / grain_diameter; coarser away from `fine`",
+    )
+    fine: FineRegion | None = Field(
+        default=None,
+        description="where grains are of grain_diameter; default: what is seen and worked",
     )
     settling_friction: float | None = Field(
         default=None, ge=0, le=2, description="grain friction while settling; sets the density"
@@ -70,7 +94,14 @@ class Bed(Table):
     def _prepared_in_one_way(self) -> Self:
         if (self.settling_friction is None) == (self.relative_density is None):
             raise ValueError("exactly one of settling_friction and relative_density is needed")
+        if self.coarsening > 1 and self.thickness > 0:
+            raise ValueError("coarsening: for discs only (thickness = 0)")
+        if self.fine is not None and not self._reached_by(self.fine):
+            raise ValueError(f"fine: must lie in the bed, got {self.fine}")
         return self
+
+    def _reached_by(self, fine: FineRegion) -> bool:
+        return fine.bottom < self.depth and fine.left < self.width and fine.right > 0
 
 
 class Contact(Table):
@@ -334,9 +365,20 @@ def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | 
     if isinstance(implement, dict) and implement.get("kind") == "stl":
         tables = {**tables, "implement": _cut_stl(implement, source, Path(folder))}
     try:
-        return _SCENE.validate_python(tables)
+        scene = _SCENE.validate_python(tables)
+        return _with_fine_region(scene) if isinstance(scene, SoilBinScene) else scene
     except ValidationError as error:
         raise SceneError(_complaint(error, source)) from None
+
+
+def _with_fine_region(scene: SoilBinScene) -> SoilBinScene:
+    """The scene with the region of finest grains that its camera and its drive ask for."""
+    if scene.bed.coarsening == 1 or scene.bed.fine is not None:
+        return scene
+    from synth.dem.grading import region_worked_and_seen
+
+    fine = region_worked_and_seen(scene)
+    return scene.model_copy(update={"bed": scene.bed.model_copy(update={"fine": fine})})
 
 
 def _find(name_or_path: str | Path) -> Path:

@@ -84,7 +84,7 @@ class ParticleField:
     def __init__(self, recording: "Recording", first: int, second: int, scene: "Scene") -> None:
         import numpy as np
 
-        self._diameter = 2 * float(recording.data["radius"].values.mean())
+        self._diameter = 2 * float(recording.data["radius"].median())
         x, z = _positions(recording, first)
         next_x, next_z = _positions(recording, second)
         self._cells = _sort_into_cells(x, z, _BLEND_REACH * self._diameter)

@@ -18,6 +18,7 @@ from synth.dem.contact_law import (
     damping_ratio_of,
     reduced_moduli,
 )
+from synth.dem.grading import GradedBin
 from synth.dem.grains import Grains, grains_of
 from synth.dem.packing import void_ratio
 from synth.dem.relative_density import SettlingRelation, settling_relation
@@ -142,13 +143,16 @@ def _prepared(
 
 def _bin(scene: SoilBinScene) -> Bin:
     bed = scene.bed
-    return Bin(
-        bed.width,
-        bed.depth,
-        bed.grain_diameter,
-        bed.polydispersity,
-        bed.gravity,
+    what = (bed.width, bed.depth, bed.grain_diameter, bed.polydispersity, bed.gravity)
+    if bed.coarsening == 1 or bed.fine is None:
+        return Bin(*what, scene.contact.steps_per_contact)
+    return GradedBin(
+        *what,
         scene.contact.steps_per_contact,
+        coarsening=bed.coarsening,
+        left=bed.fine.left,
+        right=bed.fine.right,
+        fine_bottom=bed.fine.bottom,
     )
 
 

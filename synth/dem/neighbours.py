@@ -43,12 +43,31 @@ def list_neighbours(position: np.ndarray, radius: np.ndarray, skin: float) -> Ne
     radius : ndarray, shape (N,)
         m.
     """
-    candidates = cKDTree(position.T).query_pairs(2 * radius.max() + skin, output_type="ndarray")
+    candidates = _candidates(position, radius, skin)
     i, j = candidates.min(axis=1), candidates.max(axis=1)
     gap = length_of(position[:, i] - position[:, j]) - radius[i] - radius[j]
     i, j = i[gap < skin], j[gap < skin]
     order = np.lexsort((j, i))
     return neighbour_list_of(np.stack([i[order], j[order]]).astype(np.int32), radius.size)
+
+
+def _candidates(position: np.ndarray, radius: np.ndarray, skin: float) -> np.ndarray:
+    """Pairs that may be near enough, each once, shape (C, 2): by classes of radius, each twice the last.
+
+    With one reach for all, a fine grain would have as many candidates as fit around the coarsest.
+    """
+    sizes = np.floor(np.log2(radius / radius.min())).astype(int)
+    members = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
+    trees = [cKDTree(position[:, chosen].T) for chosen in members]
+    found = []
+    for at, (chosen, tree) in enumerate(zip(members, trees, strict=True)):
+        greatest = radius[chosen].max()
+        found.append(chosen[tree.query_pairs(2 * greatest + skin, output_type="ndarray")])
+        for other, finer in zip(members[:at], trees[:at], strict=True):
+            reach = greatest + radius[other].max() + skin
+            near = tree.sparse_distance_matrix(finer, reach, output_type="ndarray")
+            found.append(np.stack([chosen[near["i"]], other[near["j"]]], axis=1))
+    return np.concatenate(found)
 
 
 def neighbour_list_of(pairs: np.ndarray, grain_count: int) -> NeighbourList:

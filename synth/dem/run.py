@@ -45,7 +45,7 @@ def run_implement(
     law = contact_law(scene)
     largest = time_step_of(bed.grains, law, scene.contact.steps_per_contact)
     schedule = Schedule.of(scene, largest)
-    surface = surface_height(bed.grains, scene.bed.grain_diameter)
+    surface = surface_height(_finest(scene, bed.grains), scene.bed.grain_diameter)
     tool = _touching_down(scene, bed.grains)
     gravity = (0.0, -scene.bed.gravity)
     solver = Solver(
@@ -106,10 +106,18 @@ def _packing(scene: SoilBinScene, bed: Bed) -> dict[str, float]:
     return about
 
 
+def _finest(scene: SoilBinScene, grains: Grains) -> Grains:
+    """The grains where the implement works: all, but of a graded bed."""
+    fine = scene.bed.fine
+    if scene.bed.coarsening == 1 or fine is None:
+        return grains
+    return grains.only((grains.in_plane[0] >= fine.left) & (grains.in_plane[0] <= fine.right))
+
+
 def surface_height(grains: Grains, grain_diameter: float) -> float:
     """Mean height of the topmost grains' tops over columns two diameters wide, m."""
     x, z = grains.in_plane
-    column = np.floor(x / (2 * grain_diameter)).astype(int)
+    column = np.floor((x - x.min()) / (2 * grain_diameter)).astype(int)
     tops = np.zeros(column.max() + 1)
     np.maximum.at(tops, column, z + grains.radius)
     return float(tops[tops > 0].mean())

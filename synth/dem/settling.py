@@ -24,8 +24,10 @@ _LONGEST_REST = 0.15
 """Time after which a bed is taken as it is, s: longer would only show that something else is wrong."""
 _DRAG = 200.0
 """Rate at which motion dies away while the bed comes to rest, 1/s."""
-_MARGIN = 3
+MARGIN = 3
 """Grain diameters along walls and surface that are left out where the packing is measured."""
+PITCH = 1.01
+"""Distance of the places that grains are dropped from / diameter of the largest."""
 
 
 @dataclass(frozen=True)
@@ -57,7 +59,7 @@ class Bin:
         """Grains of random size on a loose lattice, with small random velocities that break its order."""
         spread = self.polydispersity
         diameter = self.grain_diameter * rng.uniform(1 - spread, 1 + spread, self._count)
-        pitch = self.grain_diameter * (1 + spread) * 1.01
+        pitch = self.grain_diameter * (1 + spread) * PITCH
         columns = int((self.width - 0.5 * pitch) / pitch)
         row, column = np.divmod(np.arange(diameter.size), columns)
         x = (column + 0.5 + 0.5 * (row % 2)) * pitch
@@ -110,7 +112,7 @@ class Bin:
 
     def solid_fraction(self, grains: Grains) -> float:
         """Share of area filled by grains, clear of the walls and of the rough surface."""
-        margin = _MARGIN * self.grain_diameter
+        margin = MARGIN * self.grain_diameter
         return solid_fraction(
             grains, left=margin, right=self.width - margin, bottom=margin, top=self.depth - margin
         )

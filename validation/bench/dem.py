@@ -110,7 +110,8 @@ def bed_scene(grain_count: int) -> "SoilBinScene":
     tables = shipped.to_dict()
     area = grain_count * np.pi / 4 * shipped.bed.grain_diameter**2 / 0.8
     depth = float(np.sqrt(area / _ASPECT))
-    tables["bed"] |= {"width": _ASPECT * depth, "depth": depth}
+    tables["bed"] |= {"width": _ASPECT * depth, "depth": depth, "coarsening": 1.0}
+    tables["bed"].pop("fine", None)
     # The wheel is not used; it only has to fit.
     tables["implement"] |= {"radius": depth / 4}
     tables["drive"] |= {"start": depth / 2, "run_in": 0.0}

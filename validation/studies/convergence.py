@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING, ClassVar
 
 import numpy as np
 
-from synth.scene import SoilBinScene
+from synth.scene import Bed, SoilBinScene
 from validation.studies.flow_field import FlowField, Window, mean_flow
 from validation.studies.study import Case, Findings, Row, Run, Study, changed, plain_axes, steady_means
 
@@ -48,7 +48,7 @@ class Convergence(Study):
         bed, timing, contact = scene.bed, scene.timing, scene.contact
         doubled = changed(
             scene,
-            bed={"width": 2 * bed.width, "depth": 2 * bed.depth},
+            bed={"width": 2 * bed.width, "depth": 2 * bed.depth, "fine": _moved(bed)},
             drive={"start": scene.drive.start + bed.width / 2},
             camera={"centre_z": scene.camera.centre_z + bed.depth},
         )
@@ -96,6 +96,14 @@ class Convergence(Study):
 
 
 STUDY = Convergence()
+
+
+def _moved(bed: Bed) -> dict[str, float] | None:
+    """Where the finest grains are in a box of double size: about the implement as before."""
+    if bed.fine is None:
+        return None
+    left, right = bed.fine.left + bed.width / 2, bed.fine.right + bed.width / 2
+    return {"left": left, "right": right, "bottom": bed.fine.bottom + bed.depth}
 
 
 def flow_change(flow: FlowField, other: FlowField) -> float:
