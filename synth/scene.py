@@ -97,7 +97,7 @@ class Bed(Table):
         if self.coarsening > 1 and self.thickness > 0:
             raise ValueError("coarsening: for discs only (thickness = 0)")
         if self.fine is not None and not self._reached_by(self.fine):
-            raise ValueError(f"fine: must lie in the bed, got {self.fine}")
+            raise ValueError(f"fine: must reach into the bed, got {self.fine}")
         return self
 
     def _reached_by(self, fine: FineRegion) -> bool:

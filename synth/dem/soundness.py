@@ -27,7 +27,7 @@ from synth.dem.tool import Tool
 from synth.implements import RigidWheel
 from synth.scene import GRAVITY, SoilBinScene
 
-_FRAMES = 8
+_FRAMES = 24
 """Frames looked at, evenly over the run."""
 _AVERAGED_OVER = 2.5
 """Radius around a grain that its velocity gradient and pressure are averaged over / mean diameter there."""

@@ -23,8 +23,9 @@ def tiny_wheel() -> SoilBinScene:
     tables = load_scene("rolling_wheel", quick=True).to_dict()
     tables["name"] = "tiny_wheel"
     tables["soil"]["contact"]["rolling_friction"] = 0.2  # its own, whatever soils are calibrated to
-    del tables["bed"]["relative_density"]
+    del tables["bed"]["relative_density"], tables["bed"]["fine"]
     tables["bed"] |= {"width": 0.16, "depth": 0.03, "grain_diameter": 3.5e-3, "settling_friction": 0.5}
+    tables["bed"]["coarsening"] = 1.0
     tables["implement"] |= {"radius": 0.03, "normal_load": 4.0, "moving_mass": 0.04}
     tables["drive"] |= {"start": 0.05, "run_in": 0.01}
     tables["contact"] |= {"normal_stiffness": 2.0e6}

@@ -136,11 +136,11 @@ def test_a_seed_is_a_whole_number(tmp_path, seed):
 
 
 def test_a_scene_may_build_on_a_shipped_one(tmp_path):
-    path = tmp_path / "deep.toml"
-    path.write_text('base = "rolling_wheel"\nname = "deep"\n[bed]\ndepth = 0.25\n')
+    path = tmp_path / "mixed.toml"
+    path.write_text('base = "rolling_wheel"\nname = "mixed"\n[bed]\npolydispersity = 0.25\n')
     scene, base = load_scene(path).to_dict(), load_scene("rolling_wheel").to_dict()
-    assert (scene.pop("name"), scene["bed"].pop("depth")) == ("deep", 0.25)
-    del base["name"], base["bed"]["depth"]
+    assert (scene.pop("name"), scene["bed"].pop("polydispersity")) == ("mixed", 0.25)
+    del base["name"], base["bed"]["polydispersity"]
     assert scene == base
 
 

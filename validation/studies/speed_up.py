@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 SPEED_UPS = (20.0, 10.0, 5.0, 2.5)
 _QUICK_GRAINS = 4.0e-3
 """m."""
-_FRAMES = 8
+_FRAMES = 24
 """Frames looked at, evenly over the run."""
 _LIMIT = 3e-3
 """On the 95 % inertial number of the soil that carries the load."""

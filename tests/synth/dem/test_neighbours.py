@@ -1,4 +1,5 @@
 import numpy as np
+import pytest
 
 from synth.dem.neighbours import carry_memory, list_neighbours
 
@@ -8,8 +9,13 @@ def scattered(seed, count=200):
     return rng.uniform(0, 0.03, (2, count)), rng.uniform(0.8e-3, 1.2e-3, count)
 
 
-def test_list_holds_exactly_the_near_pairs_in_order():
-    position, radius = scattered(0)
+def of_two_sizes(seed):
+    position, radius = scattered(seed)
+    return position, radius * np.where(position[0] < 0.01, 4.0, 1.0)
+
+
+@pytest.mark.parametrize(("position", "radius"), [scattered(0), of_two_sizes(0)])
+def test_list_holds_exactly_the_near_pairs_in_order(position, radius):
     listed = list_neighbours(position, radius, 0.5e-3)
     gap = np.hypot(*(position[:, :, None] - position[:, None, :])) - radius[:, None] - radius[None, :]
     expected = np.argwhere(np.triu(gap < 0.5e-3, k=1))
