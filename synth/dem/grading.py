@@ -74,9 +74,10 @@ class GradedBin(Bin):
 
     def distance(self, x: np.ndarray, z: np.ndarray) -> np.ndarray:
         """Distance of dropped grains from what will be the region's border, m; negative inside."""
-        left = np.inf if self.left <= 0 else x - self.left
-        right = np.inf if self.right >= self.width else self.right - x
-        above = np.inf if self.fine_bottom <= 0 else z - self.fine_bottom * self._fall
+        far = np.full_like(x, np.inf)
+        left = far if self.left <= 0 else x - self.left
+        right = far if self.right >= self.width else self.right - x
+        above = far if self.fine_bottom <= 0 else z - self.fine_bottom * self._fall
         inside = np.minimum(np.minimum(left, right), above)
         aside = np.maximum(-np.minimum(left, right), 0)
         return np.where(inside > 0, -inside, np.hypot(aside, np.maximum(-above, 0)))

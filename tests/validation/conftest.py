@@ -33,7 +33,7 @@ def tiny_wheel_scene(tmp_path_factory):
         tmp_path_factory.mktemp("scenes") / "tiny_wheel.toml",
         "rolling_wheel",
         name="tiny_wheel",
-        bed={"width": 0.16, "depth": 0.03, "grain_diameter": 3.5e-3},
+        bed={"width": 0.16, "depth": 0.03, "grain_diameter": 3.5e-3, "coarsening": 1.0},
         implement={"radius": 0.03, "normal_load": 4.0, "moving_mass": 0.04},
         drive={"start": 0.05, "run_in": 0.01},
         contact={"normal_stiffness": 2.0e6},

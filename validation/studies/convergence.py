@@ -1,4 +1,4 @@
-"""Whether a result depends on how it was computed: on speed-up, box, time step and seed."""
+"""Whether a result depends on how it was computed: on speed-up, box, time step, grading and seed."""
 
 from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, ClassVar
@@ -20,6 +20,7 @@ _NAMES = {
     "doubled-box": "doubled box",
     "halved-step": "halved step",
     "other-seed": "another seed",
+    "uniform-grains": "uniform grains",
 }
 _QUANTITIES = ("sinkage", "drawbar_pull", "torque", "flow")
 
@@ -28,7 +29,8 @@ class Convergence(Study):
     """A scene as it is, and with one thing of its computation changed.
 
     Another seed, too: what a bed packed otherwise changes is no error, and no smaller change can be told from
-    it. A bed settles anew wherever its box or its time step is another.
+    it. A bed settles anew wherever its box or its time step is another. A graded bed is also compared with
+    one of the finest grains throughout.
     """
 
     scene = "rolling_wheel"
@@ -44,7 +46,7 @@ class Convergence(Study):
     }
 
     def cases(self, scene: SoilBinScene, *, quick: bool) -> list[Case]:
-        """The scene, and its four variations; they are as quick as the scene is."""
+        """The scene, and its variations; they are as quick as the scene is."""
         bed, timing, contact = scene.bed, scene.timing, scene.contact
         doubled = changed(
             scene,
@@ -52,12 +54,14 @@ class Convergence(Study):
             drive={"start": scene.drive.start + bed.width / 2},
             camera={"centre_z": scene.camera.centre_z + bed.depth},
         )
+        uniform = changed(scene, bed={"coarsening": 1.0, "fine": None})
         return [
             Case(BASE, scene),
             Case("half-speed-up", changed(scene, timing={"speed_up": timing.speed_up / 2})),
             Case("doubled-box", doubled),
             Case("halved-step", changed(scene, contact={"steps_per_contact": 2 * contact.steps_per_contact})),
             Case("other-seed", changed(scene, seed=scene.seed + 1)),
+            *([Case("uniform-grains", uniform)] if bed.coarsening > 1 else []),
         ]
 
     def find(self, runs: Sequence[Run]) -> Findings:

@@ -97,6 +97,11 @@ def test_dropped_grains_keep_clear_of_each_other():
     assert grains.radius[(x < 0.08) | (x > 0.34)].min() >= 0.8 * 4e-3
 
 
+def test_a_region_may_be_all_of_the_bin():
+    whole = replace(BIN, left=0.0, right=0.4, fine_bottom=0.0)
+    assert whole.drop(np.random.default_rng(0), 2000.0).radius.max() <= 1.2e-3
+
+
 def test_a_graded_bed_settles_like_a_uniform_one():
     start_taichi("cpu", 1)
     region = {"left": 0.04, "right": 0.1, "fine_bottom": 0.025}
