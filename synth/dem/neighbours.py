@@ -5,8 +5,6 @@ from dataclasses import dataclass
 import numpy as np
 from scipy.spatial import cKDTree
 
-from synth.dem.grains import length_of
-
 
 @dataclass(frozen=True)
 class NeighbourList:
@@ -43,12 +41,12 @@ def list_neighbours(position: np.ndarray, radius: np.ndarray, skin: float) -> Ne
     radius : ndarray, shape (N,)
         m.
     """
-    candidates = _candidates(position, radius, skin)
-    i, j = candidates.min(axis=1), candidates.max(axis=1)
-    gap = length_of(position[:, i] - position[:, j]) - radius[i] - radius[j]
-    i, j = i[gap < skin], j[gap < skin]
-    order = np.lexsort((j, i))
-    return neighbour_list_of(np.stack([i[order], j[order]]).astype(np.int32), radius.size)
+    one, other = _candidates(position, radius, skin).T
+    apart = position[:, one] - position[:, other]
+    near = np.einsum("kp,kp->p", apart, apart) < (radius[one] + radius[other] + skin) ** 2
+    one, other = one[near], other[near]
+    keys = np.sort(np.minimum(one, other) * radius.size + np.maximum(one, other))
+    return neighbour_list_of(np.stack(np.divmod(keys, radius.size)).astype(np.int32), radius.size)
 
 
 def _candidates(position: np.ndarray, radius: np.ndarray, skin: float) -> np.ndarray:
@@ -58,7 +56,9 @@ def _candidates(position: np.ndarray, radius: np.ndarray, skin: float) -> np.nda
     """
     sizes = np.floor(np.log2(radius / radius.min())).astype(int)
     members = [np.flatnonzero(sizes == size) for size in np.unique(sizes)]
-    trees = [cKDTree(position[:, chosen].T) for chosen in members]
+    # Quicker to build; looked into once, it is as quick unbalanced.
+    loose = {"balanced_tree": False, "compact_nodes": False}
+    trees = [cKDTree(position[:, chosen].T, **loose) for chosen in members]
     found = []
     for at, (chosen, tree) in enumerate(zip(members, trees, strict=True)):
         greatest = radius[chosen].max()
@@ -67,7 +67,7 @@ def _candidates(position: np.ndarray, radius: np.ndarray, skin: float) -> np.nda
             reach = greatest + radius[other].max() + skin
             near = tree.sparse_distance_matrix(finer, reach, output_type="ndarray")
             found.append(np.stack([chosen[near["i"]], other[near["j"]]], axis=1))
-    return np.concatenate(found)
+    return np.concatenate(found).astype(np.int64, copy=False)
 
 
 def neighbour_list_of(pairs: np.ndarray, grain_count: int) -> NeighbourList:
@@ -83,22 +83,37 @@ def _by_grain(pairs: np.ndarray, grain_count: int) -> tuple[np.ndarray, np.ndarr
     return first_contact, contacts
 
 
-def carry_memory(old_keys: np.ndarray, memory: np.ndarray, new_keys: np.ndarray) -> np.ndarray:
-    """What contacts of an old list remember, at their places in a new one; a new contact remembers nothing.
+@dataclass(frozen=True)
+class Carried:
+    """Which contacts of a new list were in an old one, and where there.
 
-    Parameters
+    Attributes
     ----------
-    old_keys, new_keys : ndarray of int64, shape (K_old,) and (K_new,)
-        One integer a contact, ascending.
-    memory : ndarray, shape (K_old, n)
-
-    Returns
-    -------
-    ndarray, shape (K_new, n)
+    old, new : ndarray, shape (K,)
+        Places of the same contacts in the two lists.
+    count : int
+        Of contacts in the new list.
     """
-    carried = np.zeros((new_keys.size, memory.shape[1]))
-    if old_keys.size and new_keys.size:
+
+    old: np.ndarray
+    new: np.ndarray
+    count: int
+
+    @classmethod
+    def between(cls, old_keys: np.ndarray, new_keys: np.ndarray) -> "Carried":
+        """By keys, one ascending integer a contact, int64, shape (K_old,) and (K_new,)."""
+        if old_keys.size == 0 or new_keys.size == 0:
+            nothing = np.zeros(0, np.intp)
+            return cls(nothing, nothing, new_keys.size)
         place = np.minimum(np.searchsorted(old_keys, new_keys), old_keys.size - 1)
-        known = old_keys[place] == new_keys
-        carried[known] = memory[place[known]]
-    return carried
+        known = np.flatnonzero(old_keys[place] == new_keys)
+        return cls(place[known], known, new_keys.size)
+
+    def carry(self, memory: np.ndarray) -> np.ndarray:
+        """What contacts of the old list remember, (K_old, n), at their places in the new one, (K_new, n).
+
+        A new contact remembers nothing.
+        """
+        carried = np.zeros((self.count, memory.shape[1]))
+        carried[self.new] = memory[self.old]
+        return carried

@@ -24,6 +24,8 @@ _LONGEST_REST = 0.15
 """Time after which a bed is taken as it is, s: longer would only show that something else is wrong."""
 _DRAG = 200.0
 """Rate at which motion dies away while the bed comes to rest, 1/s."""
+_SKIN = 0.3
+"""Of neighbour lists / mean grain diameter: grains that fall are soon somewhere else."""
 MARGIN = 3
 """Grain diameters along walls and surface that are left out where the packing is measured."""
 PITCH = 1.01
@@ -108,7 +110,8 @@ class Bin:
 
     def _solver(self, grains: Grains, law: ContactLaw, *, drag: float) -> Solver:
         step = largest_time_step(grains.mass, law.normal_stiffness, self.steps_per_contact)
-        return Solver(grains, law, self.width, step, gravity=(0.0, -self.gravity), drag=drag)
+        gravity = (0.0, -self.gravity)
+        return Solver(grains, law, self.width, step, gravity=gravity, drag=drag, skin=_SKIN)
 
     def solid_fraction(self, grains: Grains) -> float:
         """Share of area filled by grains, clear of the walls and of the rough surface."""

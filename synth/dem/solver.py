@@ -10,18 +10,18 @@ from synth.dem.contacts import Contacts
 from synth.dem.failures import SimulationError
 from synth.dem.grains import Grains, length_of
 from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
-from synth.dem.neighbours import NeighbourList, carry_memory, list_neighbours, neighbour_list_of
+from synth.dem.neighbours import Carried, NeighbourList, list_neighbours, neighbour_list_of
 from synth.dem.rim import rim_rows, ring_row, with_nodes
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.scene import GRAVITY
 
-SKIN = 0.3
-"""Thickness of the neighbour list's skin / mean grain diameter."""
+SKIN = 0.15
+"""Thickness of the neighbour list's skin / mean grain diameter; thin, it has few pairs that do not touch."""
 _REBUILD_AT = 0.4
 """Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
 _SPARE = 1.1
 """Room of arrays whose length changes / what they have to hold."""
-_MOST_UNWATCHED = 16
+_MOST_UNWATCHED = 4
 """Launches between two looks at how far grains have moved, at most."""
 
 
@@ -59,6 +59,8 @@ class Solver:
         Among spheres, its mass (kg) and load (N) are those on the whole slab.
     thickness : float
         Of a slab of spheres: distance of the glass, y = 0, from the face opposite, m.
+    skin : float
+        Thickness of the neighbour list's skin / mean grain diameter. Results do not depend on it.
     """
 
     grains: Grains
@@ -69,6 +71,7 @@ class Solver:
     drag: float = 0.0
     tool: Tool | None = None
     thickness: float = np.inf
+    skin: float = SKIN
     time: float = field(default=0.0, init=False)
 
     def __post_init__(self) -> None:
@@ -77,7 +80,7 @@ class Solver:
         self._ti: Any = ti
         grains = self.grains
         self._layout = layout = layout_of(grains, self.law)
-        self._skin = SKIN * 2 * float(grains.radius.mean())
+        self._skin = self.skin * 2 * float(grains.radius.mean())
         self._motion = self._array(layout.motion(grains))
         self._body = self._array(body_rows(grains, self.law, self.time_step))
         rows, numbers = layout.wall_memory
@@ -322,13 +325,11 @@ class Solver:
 
     def _list_pairs(self, position: np.ndarray) -> None:
         old, new = self._neighbours, list_neighbours(position, self.grains.radius, self._skin)
-        memory = np.zeros((new.keys.size, self._layout.memory))
-        load = np.zeros((new.keys.size, self._layout.pair_load))
+        count = new.pairs.shape[1]
+        memory, load = np.zeros((count, self._layout.memory)), np.zeros((count, self._layout.pair_load))
         if old is not None:
-            memory, load = (
-                carry_memory(old.keys, array.to_numpy()[: old.keys.size], new.keys)
-                for array in (self._pair_memory, self._pair_load)
-            )
+            carried = Carried.between(old.keys, new.keys)
+            memory, load = (carried.carry(array.to_numpy()) for array in (self._pair_memory, self._pair_load))
         self._neighbours = new
         self._pair_memory = self._refilled(self._pair_memory, memory)
         self._pair_load = self._refilled(self._pair_load, load)
@@ -339,7 +340,7 @@ class Solver:
         if self.tool is not None:
             self._listed_tool = self.read_tool()
             new = list_tool_contacts(self.grains, position, self._listed_tool, self._skin)
-        memory = carry_memory(old.keys, self._tool_memory.to_numpy()[: old.keys.size], new.keys)
+        memory = Carried.between(old.keys, new.keys).carry(self._tool_memory.to_numpy())
         self._tool_contacts = new
         self._tool_memory = self._refilled(self._tool_memory, memory)
         self._reaction = self._refilled(self._reaction, np.zeros((new.keys.size, 3)))

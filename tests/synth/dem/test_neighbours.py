@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from synth.dem.neighbours import carry_memory, list_neighbours
+from synth.dem.neighbours import Carried, list_neighbours
 
 
 def scattered(seed, count=200):
@@ -38,7 +38,7 @@ def test_memory_follows_its_pair():
     memory = np.stack([old.keys * 1.0, -old.keys * 1.0], axis=1)
     moved = position + np.random.default_rng(3).normal(0, 0.3e-3, position.shape)
     new = list_neighbours(moved, radius, 0.5e-3)
-    carried = carry_memory(old.keys, memory, new.keys)
+    carried = Carried.between(old.keys, new.keys).carry(memory)
     known = np.isin(new.keys, old.keys)
     assert 0.3 < known.mean() < 1
     np.testing.assert_array_equal(carried[:, 0], np.where(known, new.keys, 0))
@@ -49,4 +49,4 @@ def test_no_pair_at_all():
     position = np.array([[0.0, 1.0], [0.0, 0.0]])
     listed = list_neighbours(position, np.full(2, 1e-3), 1e-4)
     assert listed.pairs.shape == (2, 0)
-    assert carry_memory(listed.keys, np.zeros((0, 2)), listed.keys).shape == (0, 2)
+    assert Carried.between(listed.keys, listed.keys).carry(np.zeros((0, 2))).shape == (0, 2)

@@ -254,3 +254,19 @@ def test_the_tools_contacts_remember_too_when_listed_anew():
         solver._list_neighbours()
         solver.advance(40)
     assert solver.read_grains().position[0, 0] == pytest.approx(kept, abs=1e-9)
+
+
+def test_results_do_not_depend_on_the_skin_of_the_neighbour_list():
+    rng = np.random.default_rng(5)
+    x, z = (one.ravel() for one in np.meshgrid(np.arange(8) + 0.6, np.arange(12) + 0.6))
+    grains = Grains.at_rest(2.2 * RADIUS * np.stack([x, z]), RADIUS * rng.uniform(0.8, 1.2, x.size), DENSITY)
+    grains = replace(grains, velocity=rng.normal(0, 0.2, grains.position.shape))
+    ends = []
+    for skin in (0.1, 0.15, 0.5):
+        solver = Solver(grains, law(rolling_friction=0.2), 20 * RADIUS, 2e-6, skin=skin)
+        solver.advance(6000)
+        end = solver.read_grains()
+        ends.append([end.position, end.velocity, end.angle, end.spin])
+    for other in ends[1:]:
+        for mine, theirs in zip(ends[0], other, strict=True):
+            np.testing.assert_array_equal(mine, theirs)
