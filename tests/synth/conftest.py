@@ -29,7 +29,7 @@ def tiny_wheel() -> SoilBinScene:
     tables["implement"] |= {"radius": 0.03, "normal_load": 4.0, "moving_mass": 0.04}
     tables["drive"] |= {"start": 0.05, "run_in": 0.01}
     tables["contact"] |= {"normal_stiffness": 2.0e6}
-    tables["timing"] |= {"frame_count": 4}
+    tables["timing"] |= {"frame_count": 4, "speed_up": 20.0}
     tables["camera"] |= {"width": 320, "height": 160, "centre_z": 0.022}
     return parse_scene(tables)
 

@@ -100,7 +100,10 @@ class RimCompliance(Study):
         ):
             ratios.plot(deflection, column(rows, name), marker="o", color=colour, label=label)
         ratios.axhline(0.1, color="0.5", linestyle=":", linewidth=1)
-        ratios.annotate("an order of magnitude", (0, 0.1), (0, 3), textcoords="offset points", fontsize=8)
+        ratios.annotate(
+            "an order of magnitude", (1, 0.1), (0, -3), xycoords=("axes fraction", "data"),
+            textcoords="offset points", fontsize=8, ha="right", va="top",
+        )  # fmt: skip
         ratios.set_ylim(0, 1.1 * np.nanmax([column(rows, f"{n}_ratio") for n in ("median", "p95", "area")]))
         ratios.set_ylabel("compliant / rigid wheel [1]")
         ratios.legend(frameon=False, fontsize=8)
