@@ -74,14 +74,17 @@ class GlassFriction(Study):
             across.plot(distance, ratio, "o-", markersize=3.5, linewidth=1.3, label=f"{friction:g}")
         across.set_xlabel("distance from the glass [mm]")
         across.set_ylabel("velocity / that at mid-plane")
-        across.set_ylim(0, 1.15)
+        top = 1.1 * max(
+            1.05, *(float(row[name]) for row in findings.rows for name in ("ratio", "difference"))
+        )
+        across.set_ylim(0, top)
         across.legend(title="glass friction", frameon=False)
         nearest = [next(row for row in findings.rows if row["glass_friction"] == one) for one in frictions]
         for name, colour in (("ratio", "#4c78a8"), ("difference", "#e45756")):
             at_glass.plot(frictions, [float(row[name]) for row in nearest], "o-", color=colour, label=name)
         at_glass.set_xlabel("glass friction")
         at_glass.set_ylabel("layer at the glass")
-        at_glass.set_ylim(0, 1.15)
+        at_glass.set_ylim(0, top)
         at_glass.legend(frameon=False)
         return figure
 
