@@ -63,7 +63,7 @@ class PicturePair:
 
     def constrain(self, models: np.ndarray) -> "Constraints":
         """Every pixel's equation, linear around where its model (H, W, 6) takes it."""
-        from soft.flow.robust_affine import kernels
+        from soft.flow.robust_affine import brightness_kernels as kernels
 
         warped = np.empty((*self.shape, 4), np.float32)
         kernels.warp(self.coefficients, self.step, models, warped)
@@ -76,7 +76,7 @@ class PicturePair:
         self, constraints: "Constraints", models: np.ndarray, places: np.ndarray
     ) -> "Constraints":
         """The same, but at some places, rows and columns (P, 2) int32, where models are others now."""
-        from soft.flow.robust_affine import kernels
+        from soft.flow.robust_affine import brightness_kernels as kernels
 
         values = constraints.values.copy()
         kernels.constrain_places(

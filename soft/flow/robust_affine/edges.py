@@ -79,7 +79,7 @@ def mend(
 def _propagated(
     pair: PicturePair, models: np.ndarray, constraints: Constraints, zone: _Zone, radius: int, noise: float
 ) -> np.ndarray:
-    from soft.flow.robust_affine import kernels
+    from soft.flow.robust_affine import edge_kernels as kernels
 
     width, unchanged = _COST_WIDTH * noise, _costs(constraints, _COST_WIDTH * noise)
     found, candidates = models.copy(), np.empty((len(zone.places), 6), np.float32)
@@ -130,7 +130,7 @@ def _smoothed(models: np.ndarray, zone: _Zone) -> np.ndarray:
 
 
 def _refitted(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: float) -> np.ndarray:
-    from soft.flow.robust_affine import kernels
+    from soft.flow.robust_affine import edge_kernels as kernels
 
     fitted = np.empty((len(zone.places), 6), np.float32)
     width = _FIT_WIDTH * noise

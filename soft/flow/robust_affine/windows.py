@@ -60,7 +60,7 @@ class Products:
     @classmethod
     def of(cls, constraints: Constraints, width: float, *, rest: bool = False) -> "Products":
         """With Lorentzian weights of that width, grey levels; `rest`: of what the present motion leaves."""
-        from soft.flow.robust_affine import kernels
+        from soft.flow.robust_affine import window_kernels as kernels
 
         shape = constraints.values.shape[:2]
         products = cls(np.empty((*shape, 3), np.float32), np.empty((*shape, 2), np.float32))
@@ -69,7 +69,7 @@ class Products:
 
     def after(self, at_nodes: np.ndarray, stride: int) -> "Products":
         """Those of what is left once pixels have moved by the models told at nodes (lines, nodes, 6)."""
-        from soft.flow.robust_affine import kernels
+        from soft.flow.robust_affine import window_kernels as kernels
 
         rest = np.empty_like(self.targets)
         kernels.subtract(self.squares, self.targets, at_nodes, stride, rest)
@@ -120,7 +120,7 @@ def widened(models: np.ndarray, step: int, shape: tuple[int, int]) -> np.ndarray
 
 def spread(at_nodes: np.ndarray, stride: int, shape: tuple[int, int]) -> np.ndarray:
     """Models of every pixel, (H, W, 6) float32, from those of every `stride`-th."""
-    from soft.flow.robust_affine import kernels
+    from soft.flow.robust_affine import window_kernels as kernels
 
     models = np.empty((*shape, 6), np.float32)
     kernels.spread(at_nodes, stride, models)
@@ -148,7 +148,7 @@ def fit(products: Products, window: Window, held: np.ndarray, *, twice: bool = F
 
 
 def _moments(squares: np.ndarray, window: Window) -> np.ndarray:
-    from soft.flow.robust_affine import kernels
+    from soft.flow.robust_affine import window_kernels as kernels
 
     lines, nodes = window.node_count(squares.shape[:2])
     squares, stride = _thinned(squares, window.thin), window.stride // window.thin
@@ -160,7 +160,7 @@ def _moments(squares: np.ndarray, window: Window) -> np.ndarray:
 
 
 def _solved(targets: np.ndarray, window: Window, moments: np.ndarray, held: np.ndarray) -> np.ndarray:
-    from soft.flow.robust_affine import kernels
+    from soft.flow.robust_affine import window_kernels as kernels
 
     lines, nodes = moments.shape[:2]
     targets, stride = _thinned(targets, window.thin), window.stride // window.thin
@@ -234,7 +234,7 @@ def choose(
     confidence : float
         Half the width of the intervals, standard deviations.
     """
-    from soft.flow.robust_affine import kernels
+    from soft.flow.robust_affine import window_kernels as kernels
 
     shape = held.shape[:2]
     pairs = (*shape, 2)
