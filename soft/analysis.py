@@ -14,6 +14,7 @@ import numpy as np
 from soft.flow import DEFAULT, FlowError, FlowField, FlowFiles, estimate_flow, find_estimator
 from soft.flow.files import PREFIX
 from soft.inertial import to_inertial
+from soft.masks import grown
 from soft.segmentation import SOIL_CHOICES, moving_mask, soil_mask
 from soft.sequence import ImageSequence
 from soft.soilflow import SCHEMA_VERSION
@@ -196,12 +197,7 @@ def _timed_flow(
 
 def around(soil: np.ndarray) -> np.ndarray | None:
     """Soil and a rim of a few px, within which its outline is known: what to measure. None: everything."""
-    import cv2
-
-    if not soil.any():
-        return None
-    side = 2 * SOIL_RIM + 1
-    return cv2.dilate(soil.astype(np.uint8), np.ones((side, side), np.uint8)) > 0
+    return grown(soil, SOIL_RIM) if soil.any() else None
 
 
 def _options_for(settings: _Settings, pair: int) -> dict[str, Any]:

@@ -59,7 +59,7 @@ CONTENDERS = (
 
 @dataclass(frozen=True, eq=False)
 class Case:
-    """A picture pair, its true displacement (H, W, 2) px, and the pixels that errors are told for."""
+    """Grey pictures 0-255, their true displacement (H, W, 2) px, and the pixels that errors are told for."""
 
     name: str
     first: np.ndarray
@@ -107,6 +107,7 @@ def _cases(scenes: Sequence[str], runs: Sequence[Path]) -> Iterator[Case]:
 
 
 def _analytic(name: str) -> Case:
+    from soft.sequence import to_grey
     from synth import picture_pair
 
     pair = picture_pair(name)
@@ -117,40 +118,37 @@ def _analytic(name: str) -> Case:
         radius = np.hypot(x - (width - 1) / 2, y - (height - 1) / 2)
         regions["band"] = np.abs(radius - _BAND_RADIUS) < _BAND_WITHIN
         regions["inside the band"] = radius < _BAND_RADIUS - 2 * _BAND_WITHIN
-    return Case(name, pair.first, pair.second, pair.displacement, regions)
+    first, second = (to_grey(picture, name=name) for picture in (pair.first, pair.second))
+    return Case(name, first, second, pair.displacement, regions)
 
 
 def _of_run(folder: Path) -> Case:
     from soft.segmentation import soil_mask
+    from soft.sequence import to_grey
     from synth.footage import Footage
     from validation.strata import find_strata
 
     with Footage.open(folder / "footage") as footage:
         pair = footage.pair_count // 2
-        first, second = footage.picture(pair), footage.picture(pair + 1)
+        first, second = (to_grey(footage.picture(k), name=footage.frames[k].name) for k in (pair, pair + 1))
         truth = footage.truth(pair)
         displacement = np.stack([truth["u"].values, truth["v"].values], axis=-1)
         masks = find_strata(truth).masks
     regions = {name: masks[name] for name in ("all", "moving", "complex", "quiet") if masks[name].any()}
-    grey = first.astype(np.float32) * np.float32(255 / np.iinfo(first.dtype).max)
-    return Case(folder.resolve().name, first, second, displacement, regions, soil_mask(grey).mask)
+    return Case(folder.resolve().name, first, second, displacement, regions, soil_mask(first).mask)
 
 
 def _measured(case: Case, contender: Contender, repeats: int, threads: int | None) -> list[BenchRow]:
     from soft.analysis import around
     from soft.flow import estimate_flow, find_estimator
 
-    first, second = (
-        picture.astype(np.float32) * np.float32(255 / np.iinfo(picture.dtype).max)
-        for picture in (case.first, case.second)
-    )
     keeps = case.soil is not None and find_estimator(contender.method).keeps_to_mask
     mask = around(case.soil) if keeps else None  # type: ignore[arg-type]
     seconds = []
     for _ in range(repeats + 1):  # the first waits for kernels
         began = time.perf_counter()
         flow = estimate_flow(
-            first, second, method=contender.method, mask=mask, threads=threads, **contender.options
+            case.first, case.second, method=contender.method, mask=mask, threads=threads, **contender.options
         )
         seconds.append(time.perf_counter() - began)
 

@@ -51,18 +51,12 @@ def _measured(footage: "Footage", method: str) -> "xr.Dataset":
     import xarray as xr
 
     from soft.flow import estimate_flow
+    from soft.sequence import to_grey
 
     fields = []
     for pair in range(footage.pair_count):
-        first, second = (_grey(footage.picture(frame)) for frame in (pair, pair + 1))
+        first, second = (to_grey(footage.picture(k), name=footage.frames[k].name) for k in (pair, pair + 1))
         field = estimate_flow(first, second, method=method)
         fields.append(np.where(field.valid[..., None], field.displacement, np.nan))
     both = np.stack(fields)
     return xr.Dataset({name: (("pair", "y", "x"), both[..., k]) for k, name in enumerate("uv")})
-
-
-def _grey(picture):
-    """Grey levels 0-255, float32, of a picture of 8 or 16 bit."""
-    import numpy as np
-
-    return picture.astype(np.float32) / (np.iinfo(picture.dtype).max / 255)

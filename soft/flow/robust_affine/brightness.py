@@ -6,7 +6,6 @@ a factor and an offset of the second picture, smooth over `LIGHT_SCALE` px.
 """
 
 from dataclasses import dataclass
-from typing import Any
 
 import numpy as np
 
@@ -137,22 +136,30 @@ def _filtered(picture: np.ndarray, along_x: np.ndarray, along_y: np.ndarray) -> 
     return cv2.sepFilter2D(picture, cv2.CV_32F, along_x, along_y, borderType=cv2.BORDER_REFLECT_101)
 
 
+def averaged_small(values: np.ndarray, sigma: float, shrink: int) -> np.ndarray:
+    """Gaussian averages, `sigma` px wide, of (H, W[, C]) values, in a picture `shrink` times smaller."""
+    import cv2
+
+    height, width = values.shape[:2]
+    size = (max(1, width // shrink), max(1, height // shrink))
+    small = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
+    return cv2.GaussianBlur(small, (0, 0), sigma / shrink)
+
+
 def _gain(first: np.ndarray, second: np.ndarray, weight: np.ndarray, step: int) -> np.ndarray:
     """Factor and offset (h, w, 2) that give the second picture the first one's local mean and contrast."""
     import cv2
 
     height, width = first.shape
     shrink = max(1, _LIGHT_SHRINK // step)
-    size = (max(1, width // shrink), max(1, height // shrink))
 
-    def blurred(values: np.ndarray) -> Any:
-        small = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
-        return cv2.GaussianBlur(small, (0, 0), LIGHT_SCALE / shrink / step)
+    def mean_of(values: np.ndarray) -> np.ndarray:
+        return averaged_small(weight * values, LIGHT_SCALE / step, shrink) / share
 
-    share = blurred(weight) + 1e-6
-    mean, mean_after = blurred(weight * first) / share, blurred(weight * second) / share
-    contrast = blurred(weight * first * first) / share - mean * mean
-    contrast_after = blurred(weight * second * second) / share - mean_after * mean_after
+    share = averaged_small(weight, LIGHT_SCALE / step, shrink) + 1e-6
+    mean, mean_after = mean_of(first), mean_of(second)
+    contrast = mean_of(first * first) - mean * mean
+    contrast_after = mean_of(second * second) - mean_after * mean_after
     factor = np.sqrt(np.maximum(contrast, 1.0) / np.maximum(contrast_after, 1.0))
     lit = np.dstack([factor, mean - factor * mean_after])
     return cv2.resize(lit, (width, height), interpolation=cv2.INTER_LINEAR)

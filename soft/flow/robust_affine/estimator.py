@@ -11,7 +11,7 @@ is made linear around its own present motion, and affine motions are fitted to t
 4. where only small windows were borne, once more on the pictures warped anew, for what is left.
 """
 
-from dataclasses import dataclass, replace
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 
@@ -24,6 +24,7 @@ from soft.flow.robust_affine.edges import mend
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit
+from soft.masks import grown
 
 PRESETS = ("accurate", "fast")
 _MARGIN = 2
@@ -100,12 +101,7 @@ def _solve(
 
 def _inner(mask: np.ndarray) -> np.ndarray:
     """Without the pixels at its rim, which hold light of what lies beyond."""
-    import cv2
-
-    if mask.all():
-        return mask
-    side = 2 * _MARGIN + 1
-    return cv2.erode(mask.astype(np.uint8), np.ones((side, side), np.uint8), borderValue=1) > 0
+    return ~grown(~mask, _MARGIN)
 
 
 def _carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -> np.ndarray:
@@ -146,12 +142,8 @@ def _chosen(
 
 
 def _mended(pair: PicturePair, chosen: Chosen) -> Chosen:
-    import cv2
-
-    side = 2 * _AROUND + 1
-    broken = cv2.dilate((chosen.jump > _JUMP).astype(np.uint8), np.ones((side, side), np.uint8)) > 0
-    constraints = pair.constrain(chosen.models)
-    models, constraints = mend(pair, chosen.models, constraints, broken & (pair.usable > 0))
+    broken = grown(chosen.jump > _JUMP, _AROUND) & (pair.usable > 0)
+    models, constraints = mend(pair, chosen.models, pair.constrain(chosen.models), broken)
     products = Products.of(constraints, _NARROW * constraints.noise(), rest=True)
     rest = fit(products, _CURVE, np.zeros_like(models)).models(pair.shape)
     rest[chosen.level > _CURVED] = 0
@@ -159,8 +151,7 @@ def _mended(pair: PicturePair, chosen: Chosen) -> Chosen:
 
 
 def _resolved(options: RobustAffineOptions) -> dict[str, object]:
-    spelt = options.resolved
-    return {"preset": spelt.preset, "confidence": spelt.confidence, "edges": spelt.edges}
+    return asdict(options.resolved)
 
 
 ESTIMATOR = Estimator(

@@ -14,6 +14,7 @@ no score uses: so that 68 and 95 % intervals cover their shares of the true erro
 
 import numpy as np
 
+from soft.flow.robust_affine.brightness import averaged_small
 from soft.flow.robust_affine.windows import Chosen
 
 _AROUND = 10.0
@@ -49,6 +50,4 @@ def _averaged(values: np.ndarray, sigma: float) -> np.ndarray:
     import cv2
 
     height, width = values.shape[:2]
-    size = (max(1, width // _SHRINK), max(1, height // _SHRINK))
-    small = cv2.resize(values, size, interpolation=cv2.INTER_AREA)
-    return cv2.resize(cv2.GaussianBlur(small, (0, 0), sigma / _SHRINK), (width, height))
+    return cv2.resize(averaged_small(values, sigma, _SHRINK), (width, height))
