@@ -51,6 +51,7 @@ class _Settings:
     seed: int
     threads: int | None
     device: str
+    keeps_to_mask: bool
 
 
 def analyze(
@@ -110,7 +111,8 @@ def analyze(
     ValueError
         If `soil` is another word.
     """
-    settings = _Settings(method, dict(options or {}), soil, vertical, seed, threads, device)
+    keeps_to_mask = find_estimator(method).keeps_to_mask
+    settings = _Settings(method, dict(options or {}), soil, vertical, seed, threads, device, keeps_to_mask)
     recorded = _resolved_options(settings, len(sequence.pairs))
     writer = _writer(sequence, path)
     try:
@@ -181,7 +183,7 @@ def _analyze_pair(
 def _timed_flow(
     first: np.ndarray, second: np.ndarray, soil: np.ndarray, pair: int, settings: _Settings
 ) -> tuple[FlowField, float]:
-    mask = around(soil) if find_estimator(settings.method).keeps_to_mask else None
+    mask = around(soil) if settings.keeps_to_mask else None
     began = time.perf_counter()
     field = estimate_flow(
         first,

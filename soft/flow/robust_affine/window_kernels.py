@@ -158,9 +158,7 @@ def solved(matrix, right):
 
 
 @ti.kernel
-def solve_nodes(
-    moments: Channels, rights: Channels, stride: ti.i32, scale: ti.f32, held: Channels, models: Channels
-):
+def solve_nodes(moments: Channels, rights: Channels, scale: ti.f32, held: Channels, models: Channels):
     """Solve every node's normal equations; offsets count in units of `scale` px.
 
     Each unknown is held, as by one square grey level, at the motion that `held` tells there and at no
@@ -181,7 +179,7 @@ def solve_nodes(
             m[i, i] += hold
             b[i] = rights[line, node, i]
             if ti.static(i % 3 == 0):
-                b[i] += hold * held[line * stride, node * stride, i]
+                b[i] += hold * held[line, node, i]
         found = solved(m, b)
         for i in ti.static(range(6)):
             models[line, node, i] = found[i] / (1 if ti.static(i % 3 == 0) else scale)

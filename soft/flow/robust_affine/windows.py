@@ -97,8 +97,8 @@ class Fit:
         """Every pixel's: (H, W, 6) float32, blended between nodes."""
         return spread(self.at_nodes, self.window.stride, shape)
 
-    def variance(self, noise: float, *, twice: bool) -> np.ndarray:
-        """Variance of u and v at every node by noise of the pictures, px^2: (lines, nodes, 2) float32.
+    def variance(self, noise: float) -> np.ndarray:
+        """Variance by noise of u and v, fitted twice, at every node, px^2: (lines, nodes, 2) float32.
 
         ``noise^2 / (4 pi sigma^2)`` times the inverse of the mean of the slopes' squares: a Gaussian window
         averages over 4 pi sigma^2 px. The gradient's uncertainty does not come in: at the middle of a window
@@ -106,7 +106,7 @@ class Fit:
         """
         xx, xy, yy = (self.moments[:, :, k].astype(np.float64) for k in (0, 6, 12))
         determinant = np.maximum(xx * yy - xy * xy, 1e-6)
-        each = noise * noise * (_TWICED if twice else 1.0) / (4 * np.pi * self.window.sigma**2)
+        each = noise * noise * _TWICED / (4 * np.pi * self.window.sigma**2)
         return np.minimum(np.dstack([yy, xx]) * (each / determinant)[:, :, None], 1e6).astype(np.float32)
 
 
@@ -140,10 +140,11 @@ def fit(products: Products, window: Window, held: np.ndarray, *, twice: bool = F
         Add a fit to what the first one leaves.
     """
     moments = _moments(products.squares, window)
-    at_nodes = _solved(products.targets, window, moments, held)
+    held_there = np.ascontiguousarray(held[:: window.stride, :: window.stride])
+    at_nodes = _solved(products.targets, window, moments, held_there)
     if twice:
         rest = products.after(at_nodes, window.stride)
-        at_nodes += _solved(rest.targets, window, moments, np.zeros_like(held))
+        at_nodes += _solved(rest.targets, window, moments, np.zeros_like(at_nodes))
     return Fit(window, at_nodes, moments)
 
 
@@ -169,7 +170,7 @@ def _solved(targets: np.ndarray, window: Window, moments: np.ndarray, held: np.n
     rights = np.empty((lines, nodes, 6), np.float32)
     kernels.sum_targets_along_columns(sums, taps, stride, rights)
     at_nodes = np.empty((lines, nodes, 6), np.float32)
-    kernels.solve_nodes(moments, rights, window.stride, window.sigma, held, at_nodes)
+    kernels.solve_nodes(moments, rights, window.sigma, held, at_nodes)
     return at_nodes
 
 
@@ -230,7 +231,7 @@ def choose(
     windows : tuple of Window
         From small to large.
     noise : float
-        Of an equation, grey levels; see `variance_of`.
+        Of an equation, grey levels; see `Fit.variance`.
     confidence : float
         Half the width of the intervals, standard deviations.
     """
@@ -245,7 +246,7 @@ def choose(
     for level, window in enumerate(windows):
         found = fit(products, window, held, twice=True)
         kernels.take_agreeing(
-            found.at_nodes, found.variance(noise, twice=True), window.stride, confidence, level, intervals,
+            found.at_nodes, found.variance(noise), window.stride, confidence, level, intervals,
             motions if level else smallest, models, variance, level_of,
         )  # fmt: skip
         if level == 0:
