@@ -13,6 +13,7 @@ results are the same on any number of threads.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.shares import SHARES
 
 NOTHING = 2**31 - 1
 IMPLEMENT = -1
@@ -62,8 +63,10 @@ def cover_by_grains(
     """Clear every tile, and put its grains' discs into its samples and pixel centres."""
     side = tile * sampling
     per_pixel, middle = ti.f32(1.0 / sampling), ti.f32(0.5 * (sampling - 1))
-    ti.loop_config(block_dim=1)
-    for t in range(first.shape[0] - 1):
+    for share in range((first.shape[0] - 1) * SHARES):
+        if share % SHARES != 0:
+            continue
+        t = share // SHARES
         row, column = (t // columns) * side, (t % columns) * side
         height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
         above, left = margin - (t // columns) * tile, margin - (t % columns) * tile
@@ -135,7 +138,10 @@ def distance_to_implement(
     x: ti.f64, y: ti.f64, parts: _f64_table, view: projection.numbers, distance: _f32_table
 ):
     """Distance of every pixel's centre to the implement, px of an ideal lens, 0 on it."""
-    for j in range(distance.shape[0]):
+    for share in range(distance.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(distance.shape[1]):
             at = projection.undistorted(view, ti.cast(i, ti.f64), ti.cast(j, ti.f64))
             distance[j, i] = ti.cast(ti.max(away(at[0] - x, at[1] - y, parts), 0.0), ti.f32)
@@ -158,7 +164,10 @@ def cover_by_implement(
     need one look, not one a sample.
     """
     corner = 1.0  # px; half a pixel's diagonal, and what distortion stretches it by
-    for j in range(samples.shape[0] // sampling):
+    for share in range((samples.shape[0] // sampling) * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(samples.shape[1] // sampling):
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
             outline = away(at[0] - x, at[1] - y, parts)

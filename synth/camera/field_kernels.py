@@ -8,6 +8,8 @@ their columns and rows. Every thread gathers for its own points.
 
 import taichi as ti
 
+from synth.camera.shares import SHARES
+
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f64_block = ti.types.ndarray(dtype=ti.f64, ndim=3)
@@ -23,8 +25,6 @@ shape_vector = ti.types.vector(2, ti.i32)
 NOWHERE, FREE, BESIDE, INNER = 0, 1, 2, 3
 """A node without a particle near, one with, one beside the implement, whose value holds on its side only, and
 one that is free with all around it."""
-_BLOCK = 256
-"""Points that a thread does at a time."""
 
 
 @ti.func
@@ -320,7 +320,10 @@ def blend_at_nodes(
     state: _u8_table,
 ):
     """Motion at the nodes of a square grid, `spacing` apart: displacement, turn and strain."""
-    for j in range(state.shape[0]):
+    for share in range(state.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(state.shape[1]):
             found = _blend(
                 left + i * spacing,
@@ -348,7 +351,10 @@ def blend_at_nodes(
 @ti.kernel
 def find_inner(state: _u8_table):
     """Mark the free nodes between free ones; a thread's own mark does not change what others find."""
-    for j in range(1, state.shape[0] - 1):
+    for share in range((state.shape[0] - 2) * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = 1 + share // SHARES
         for i in range(1, state.shape[1] - 1):
             free = True
             for n in ti.static(range(9)):
@@ -392,50 +398,45 @@ def carry(
 
     Nodes without a particle near do not count. A point without one is lost.
     """
-    for block in range((at_x.shape[0] + _BLOCK - 1) // _BLOCK):
-        for g in range(block * _BLOCK, ti.min((block + 1) * _BLOCK, at_x.shape[0])):
-            p, q = at_x[g], at_z[g]
-            u, v, turn, strained, near = 0.0, 0.0, 0.0, 0.0, -1
-            s, t = (p - left) / spacing, (q - bottom) / spacing
-            i, j = int(ti.round(s)), int(ti.round(t))
-            if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
-                if state[j, i] == BESIDE:
-                    found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
-                    u, v, turn, strained, near = found[0], found[1], found[2], found[3], int(found[4])
-                else:
-                    inner = state[j, i] == INNER
-                    a, b = s - i, t - j
-                    across = ti.Vector(
-                        [0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)]
-                    )
-                    upwards = ti.Vector(
-                        [0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)]
-                    )
-                    whole, closest, blended = 0.0, reach * reach, ti.Vector.zero(ti.f64, 4)
-                    for n in ti.static(range(3)):
-                        for m in ti.static(range(3)):
-                            row, column = j + n - 1, i + m - 1
-                            if inner or nearest[row, column] >= 0:
-                                weight = across[m] * upwards[n]
-                                whole += weight
-                                blended += weight * value[row, column]
-                    if not inner and whole > 0.0:
-                        blended /= whole
-                    u, v, turn, strained = blended[0], blended[1], blended[2], blended[3]
-                    last = -1
-                    low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
-                    for n in ti.static(range(4)):
-                        candidate = nearest[low_j + n // 2, low_i + n % 2]
-                        if candidate >= 0 and candidate != last:
-                            square = (p - x[candidate]) ** 2 + (q - z[candidate]) ** 2
-                            if square < closest:
-                                closest, near = square, candidate
-                        last = candidate
-            strain[g], particle[g], next_alive[g] = ti.cast(strained, ti.f32), -1, ti.u8(0)
-            next_x[g], next_z[g], next_angle[g] = p, q, angle[g]
-            if near >= 0:
-                particle[g], next_alive[g] = order[near], ti.u8(1)
-                next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
+    for g in range(at_x.shape[0]):
+        p, q = at_x[g], at_z[g]
+        u, v, turn, strained, near = 0.0, 0.0, 0.0, 0.0, -1
+        s, t = (p - left) / spacing, (q - bottom) / spacing
+        i, j = int(ti.round(s)), int(ti.round(t))
+        if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
+            if state[j, i] == BESIDE:
+                found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
+                u, v, turn, strained, near = found[0], found[1], found[2], found[3], int(found[4])
+            else:
+                inner = state[j, i] == INNER
+                a, b = s - i, t - j
+                across = ti.Vector([0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)])
+                upwards = ti.Vector([0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)])
+                whole, closest, blended = 0.0, reach * reach, ti.Vector.zero(ti.f64, 4)
+                for n in ti.static(range(3)):
+                    for m in ti.static(range(3)):
+                        row, column = j + n - 1, i + m - 1
+                        if inner or nearest[row, column] >= 0:
+                            weight = across[m] * upwards[n]
+                            whole += weight
+                            blended += weight * value[row, column]
+                if not inner and whole > 0.0:
+                    blended /= whole
+                u, v, turn, strained = blended[0], blended[1], blended[2], blended[3]
+                last = -1
+                low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
+                for n in ti.static(range(4)):
+                    candidate = nearest[low_j + n // 2, low_i + n % 2]
+                    if candidate >= 0 and candidate != last:
+                        square = (p - x[candidate]) ** 2 + (q - z[candidate]) ** 2
+                        if square < closest:
+                            closest, near = square, candidate
+                    last = candidate
+        strain[g], particle[g], next_alive[g] = ti.cast(strained, ti.f32), -1, ti.u8(0)
+        next_x[g], next_z[g], next_angle[g] = p, q, angle[g]
+        if near >= 0:
+            particle[g], next_alive[g] = order[near], ti.u8(1)
+            next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
 
 
 @ti.func

@@ -7,6 +7,7 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.shares import SHARES
 
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
@@ -32,7 +33,10 @@ def put_glass_before(
     `synth.camera.glass.Glass`; `scratch`, `smudge` and `reflection` are severities, `haze` is a smudge's
     own light.
     """
-    for j in range(radiance.shape[0] // sampling):
+    for share in range((radiance.shape[0] // sampling) * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(radiance.shape[1] // sampling):
             column, row = ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64)
             at = _to_world(view, column, row)

@@ -9,6 +9,7 @@ import math
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.shares import SHARES
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING
 
 RIM = 0.05
@@ -21,9 +22,6 @@ _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
-
-_BLOCK = 256
-"""Items that a thread does at a time."""
 
 
 @ti.kernel
@@ -42,19 +40,18 @@ def turn_faces(
 
     `angle` is counter-clockwise in the world, so from y towards x of the picture.
     """
-    for block in range((grain.shape[0] + _BLOCK - 1) // _BLOCK):
-        for k in range(block * _BLOCK, ti.min((block + 1) * _BLOCK, grain.shape[0])):
-            g = grain[k]
-            turn = ti.cast(-angle[g], ti.f32)
-            cosine, sine = ti.cos(turn), ti.sin(turn)
-            face[k] = ti.Vector(
-                [
-                    intensity * brightness[g],
-                    cosine * slope_x[g] - sine * slope_y[g],
-                    sine * slope_x[g] + cosine * slope_y[g],
-                    roundness / place[k, 2],
-                ]
-            )
+    for k in range(grain.shape[0]):
+        g = grain[k]
+        turn = ti.cast(-angle[g], ti.f32)
+        cosine, sine = ti.cos(turn), ti.sin(turn)
+        face[k] = ti.Vector(
+            [
+                intensity * brightness[g],
+                cosine * slope_x[g] - sine * slope_y[g],
+                sine * slope_x[g] + cosine * slope_y[g],
+                roundness / place[k, 2],
+            ]
+        )
 
 
 @ti.kernel
@@ -80,8 +77,10 @@ def grain_radiance(
     zero, one, rim, diffuse = ti.f32(0.0), ti.f32(1.0), ti.f32(RIM), ti.f32(1.0) - ambient
     side = tile * sampling
     down_tiles = (samples.shape[0] + side - 1) // side
-    ti.loop_config(block_dim=1)
-    for t in range(columns * down_tiles):
+    for share in range((columns * down_tiles) * SHARES):
+        if share % SHARES != 0:
+            continue
+        t = share // SHARES
         row, column = (t // columns) * side, (t % columns) * side
         height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
         for j in range(height):
@@ -128,7 +127,10 @@ def implement_radiance(
     These are smooth over a pixel, so one value serves all of a pixel's samples; its outline does not.
     """
     cosine, sine = ti.cos(angle), ti.sin(angle)
-    for row in range(samples.shape[0] // sampling):
+    for share in range((samples.shape[0] // sampling) * SHARES):
+        if share % SHARES != 0:
+            continue
+        row = share // SHARES
         _implement_row(
             row,
             samples,
@@ -253,7 +255,10 @@ def filter_rows(
     Four pixels are summed at a time, since each sum has to wait for its last step.
     """
     quads = (filtered.shape[1] + 3) // 4
-    for j in range(filtered.shape[0]):
+    for share in range(filtered.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for quad in range(quads):
             base = ti.min(quad * 4, filtered.shape[1] - 4)
             total = ti.Vector([ti.f32(0.0)] * 4)
@@ -271,7 +276,10 @@ def filter_columns(
 ):
     """Blur along y and integrate over the pixels' height."""
     quads = (picture.shape[1] + 3) // 4
-    for j in range(picture.shape[0]):
+    for share in range(picture.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for quad in range(quads):
             base = ti.min(quad * 4, picture.shape[1] - 4)
             total = ti.Vector([ti.f32(0.0)] * 4)

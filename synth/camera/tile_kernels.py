@@ -8,6 +8,7 @@ grain to its last, so the order within a tile does not depend on the threads.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.shares import SHARES
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
@@ -56,8 +57,10 @@ def count_in_tiles(
     """Count the grains of every part in every tile."""
     size = (x.shape[0] + count.shape[0] - 1) // count.shape[0]
     rows = count.shape[1] // columns
-    ti.loop_config(block_dim=1)
-    for part in range(count.shape[0]):
+    for share in range(count.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        part = share // SHARES
         for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
             if alive[g] == 1:
                 _, box = _touched(view, x[g], z[g], diameter[g], sampling, margin, tile, columns, rows)
@@ -87,8 +90,10 @@ def sort_into_tiles(
     """Write every part's grains where its share of each tile starts; `start` is used up."""
     size = (x.shape[0] + start.shape[0] - 1) // start.shape[0]
     rows = start.shape[1] // columns
-    ti.loop_config(block_dim=1)
-    for part in range(start.shape[0]):
+    for share in range(start.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        part = share // SHARES
         for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
             if alive[g] == 1:
                 at, box = _touched(view, x[g], z[g], diameter[g], sampling, margin, tile, columns, rows)

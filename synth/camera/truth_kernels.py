@@ -7,6 +7,7 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.shares import SHARES
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
@@ -40,7 +41,10 @@ def fill_voids(
     In a soil's void it is the visible grain whose rim is nearest: rings of samples around the pixel are
     searched outwards until none can be nearer, or `reach` px.
     """
-    for j in range(centres.shape[0]):
+    for share in range(centres.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(centres.shape[1]):
             found = -1
             if centres[j, i] != NOTHING and centres[j, i] != IMPLEMENT:
@@ -138,8 +142,10 @@ def rigid_motions(
 
     `spread` is, for every tile, a bound on how far apart the motions of its grains' points are, px.
     """
-    ti.loop_config(block_dim=1)
-    for t in range(first.shape[0] - 1):
+    for share in range((first.shape[0] - 1) * SHARES):
+        if share % SHARES != 0:
+            continue
+        t = share // SHARES
         low, high, own = ti.Vector([1e30, 1e30]), ti.Vector([-1e30, -1e30]), 0.0
         for k in range(first[t], first[t + 1]):
             g = grain[k]
@@ -176,7 +182,10 @@ def grain_motion(
 
     `motion` is that of `rigid_motions`.
     """
-    for j in range(filled.shape[0]):
+    for share in range(filled.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(filled.shape[1]):
             k = filled[j, i]
             nothing = ti.cast(ti.math.nan, ti.f32)
@@ -251,7 +260,10 @@ def find_mixed(
     `motion` and `spread` are those of `rigid_motions`, `outside` is the distance to the implement, px; `body`
     holds the implement's reference point and its displacement, cos - 1 and sin of its turn.
     """
-    for j in range(mixed.shape[0]):
+    for share in range(mixed.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         for i in range(mixed.shape[1]):
             row, column = (j + margin) * sampling, (i + margin) * sampling
             found = ti.u8(0)
@@ -344,7 +356,10 @@ def find_jumps(u: _f32_table, v: _f32_table, implement: _u8_table, limit: ti.f32
     A discontinuity lies between two neighbours whose motions differ by more than `limit` px, or of which
     exactly one is the implement. Neighbours without truth do not count.
     """
-    for j in range(u.shape[0]):
+    for share in range(u.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         _jumps_in(j, u, v, implement, limit, jump)
 
 
@@ -374,7 +389,10 @@ def _jumps_in(j, u: ti.template(), v: ti.template(), implement: ti.template(), l
 def nearest_in_column(jump: _f32_table, row: _i32_table):
     """Row of the nearest marked pixel (jump >= 0) in the same column, the upper of two; -1 without any."""
     height = jump.shape[0]
-    for i in range(jump.shape[1]):
+    for share in range(jump.shape[1] * SHARES):
+        if share % SHARES != 0:
+            continue
+        i = share // SHARES
         last = -1
         for j in range(height):
             if jump[j, i] >= 0.0:
@@ -403,7 +421,10 @@ def nearest_in_picture(
     After Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012. `stack` and `start` are scratch.
     """
     width = row.shape[1]
-    for j in range(row.shape[0]):
+    for share in range(row.shape[0] * SHARES):
+        if share % SHARES != 0:
+            continue
+        j = share // SHARES
         count = 0
         for i in range(width):
             if row[j, i] >= 0:
