@@ -9,8 +9,8 @@ import math
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.shares import SHARES
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING
+from synth.camera.shares import SHARES
 
 RIM = 0.05
 """Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""

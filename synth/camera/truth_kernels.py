@@ -7,8 +7,8 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.shares import SHARES
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder
+from synth.camera.shares import SHARES
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
@@ -268,6 +268,8 @@ def find_mixed(
             row, column = (j + margin) * sampling, (i + margin) * sampling
             found = ti.u8(0)
             still = spread[(j + margin) // tile * columns + (i + margin) // tile] < limit
+            if outside[j, i] >= 2.0 and not still:
+                still = _alike(row, column, samples, place, motion, index_mask, sampling, limit)
             if not still or outside[j, i] < 2.0:
                 found = _differs(
                     row,
@@ -284,6 +286,38 @@ def find_mixed(
                     limit,
                 )
             mixed[j, i] = found
+
+
+@ti.func
+def _alike(
+    row,
+    column,
+    samples: ti.template(),
+    place: ti.template(),
+    motion: ti.template(),
+    index_mask,
+    sampling: ti.template(),
+    limit,
+):
+    """Whether a pixel's grains move so much alike that none of its samples can differ: a quick look.
+
+    The bound holds for whole grains, where no implement is in sight; it is kept a little off the limit for
+    what rounding does.
+    """
+    low, high = ti.Vector([ti.f32(1e30)] * 2), ti.Vector([ti.f32(-1e30)] * 2)
+    own, last = ti.f32(0.0), NOTHING
+    for b in range(row, row + sampling):
+        for a in range(column, column + sampling):
+            key = samples[b, a]
+            if key != last and key != NOTHING:
+                k = key & index_mask
+                if motion[k, 4] > 0.0:
+                    centre = ti.Vector([motion[k, 0], motion[k, 1]])
+                    low, high = ti.min(low, centre), ti.max(high, centre)
+                    own = ti.max(own, (ti.abs(motion[k, 3]) - motion[k, 2]) * place[k, 2])
+            last = key
+    span = ti.max(high - low, ti.f32(0.0))
+    return span.norm() + ti.f32(2.0 / sampling) * own < ti.f32(0.999) * limit
 
 
 @ti.func
