@@ -27,7 +27,7 @@ if TYPE_CHECKING:
 # Distributions whose version may change a number in the result; OpenCV's is told by the library itself.
 _DISTRIBUTIONS = ("softbed", "numpy", "scikit-learn", "taichi", "xarray", "h5netcdf")
 
-SOIL_RIM = 3
+SOIL_RIM = 2
 """Px around soil that a method which keeps to a mask measures as well."""
 
 
@@ -73,7 +73,7 @@ def analyze(
     displacement over soil, inertial displacement, moving region by its magnitude, velocity where the sequence
     is calibrated (section 2.2). Whether a pixel is soil is told apart from whether its motion could be
     measured: displacement is measured over the whole picture or, by a method that keeps to a mask, over soil
-    and 3 px around it, so that the implement's motion does not leak in.
+    and 2 px around it, so that the implement's motion does not leak in.
 
     Parameters
     ----------

@@ -5,7 +5,7 @@ the linear equation right to second order in what is left of the motion. Uneven 
 a factor and an offset of the second picture, smooth over `LIGHT_SCALE` px.
 """
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -54,6 +54,10 @@ class PicturePair:
         some = (slice(None, None, step), slice(None, None, step))
         first, usable = np.ascontiguousarray(self.first[some]), np.ascontiguousarray(self.usable[some])
         return PicturePair(first, self.coefficients, usable, step)
+
+    def only(self, mask: np.ndarray) -> "PicturePair":
+        """With fewer pixels to use: those of a (h, w) bool mask."""
+        return replace(self, usable=self.usable * mask)
 
     @property
     def shape(self) -> tuple[int, int]:

@@ -21,14 +21,13 @@ from soft.flow.field import FlowField
 from soft.flow.options import require_choice, require_flag, require_number
 from soft.flow.robust_affine.brightness import PicturePair
 from soft.flow.robust_affine.edges import mend
+from soft.flow.robust_affine.rim import DOUBTFUL, MARGIN, carried_outwards, join, shrunk
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation
-from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit
+from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated
 from soft.masks import grown
 
 PRESETS = ("accurate", "fast")
-_MARGIN = 2
-"""Px at a mask's rim that are not used, though measured."""
 _THIN = 2
 """The first rounds, and `fast` all through, take every second pixel's equation each way."""
 _FIRST = Window(2.0, 1)
@@ -85,44 +84,21 @@ def _solve(
     first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
 ) -> FlowField:
     options = options.resolved
-    pair = PicturePair.of(first, second, _inner(mask))
-    thin = pair.thinned(_THIN)
+    pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
+    thin, trusted = pair.thinned(_THIN), pair.only(shrunk(mask, DOUBTFUL)).thinned(_THIN)
     coarse = np.ascontiguousarray(seed(first, second, options.preset)[::_THIN, ::_THIN])
-    chosen = _chosen(thin, _approached(thin, coarse), _THIN_WINDOWS, options).widened(_THIN, pair.shape)
+    thin, models = join(thin, trusted, _approached(trusted, coarse))
+    chosen = _chosen(thin, models, _THIN_WINDOWS, options).widened(_THIN, pair.shape)
+    trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | shrunk(mask, DOUBTFUL))
     if options.preset == "accurate":
-        chosen = _chosen(pair, chosen.models, _WINDOWS, options)
+        pair, models = join(pair, trusted, chosen.models)
+        chosen = _chosen(pair, models, _WINDOWS, options)
     if options.edges:
         chosen = _mended(pair, chosen)
-    chosen = replace(chosen, models=_carried_outwards(chosen.models, pair.usable > 0, mask))
+    chosen = replace(chosen, models=carried_outwards(chosen.models, pair.usable > 0, mask))
     models = chosen.models
     gradient = np.stack([models[:, :, 1:3], models[:, :, 4:6]], axis=2)
     return FlowField(models[:, :, ::3], mask, standard_deviation(chosen), gradient)
-
-
-def _inner(mask: np.ndarray) -> np.ndarray:
-    """Without the pixels at its rim, which hold light of what lies beyond."""
-    return ~grown(~mask, _MARGIN)
-
-
-def _carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -> np.ndarray:
-    """Models of what is to be measured but not to be used, from the nearest pixel that was used."""
-    import cv2
-
-    rim = mask & ~usable
-    if not (rim.any() and usable.any()):
-        return models
-    _, labels = cv2.distanceTransformWithLabels(
-        (~usable).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
-    )
-    source = np.zeros((labels.max() + 1, 2), np.intp)
-    source[labels[usable]] = np.argwhere(usable)
-    places, nearest = np.argwhere(rim), source[labels[rim]]
-    down, right = (places - nearest).T.astype(np.float32)
-    carried, handed = models.copy(), models[nearest[:, 0], nearest[:, 1]]
-    for k in (0, 3):
-        handed[:, k] += handed[:, k + 1] * right + handed[:, k + 2] * down
-    carried[rim] = handed
-    return carried
 
 
 def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:

@@ -118,6 +118,11 @@ def widened(models: np.ndarray, step: int, shape: tuple[int, int]) -> np.ndarray
     return spread(wide, step, shape)
 
 
+def repeated(values: np.ndarray, step: int, shape: tuple[int, int]) -> np.ndarray:
+    """Values of every `step`-th pixel each way for all of a picture of that shape: the upper left one's."""
+    return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
+
+
 def spread(at_nodes: np.ndarray, stride: int, shape: tuple[int, int]) -> np.ndarray:
     """Models of every pixel, (H, W, 6) float32, from those of every `stride`-th."""
     from soft.flow.robust_affine import window_kernels as kernels
@@ -211,13 +216,9 @@ class Chosen:
 
     def widened(self, step: int, shape: tuple[int, int]) -> "Chosen":
         """From every `step`-th pixel to all of a picture of that shape."""
-
-        def repeated(values: np.ndarray) -> np.ndarray:
-            return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
-
+        others = (self.variance, self.level, self.smallest, self.smallest_variance, self.jump)
         return Chosen(
-            widened(self.models, step, shape),
-            *map(repeated, (self.variance, self.level, self.smallest, self.smallest_variance, self.jump)),
+            widened(self.models, step, shape), *(repeated(values, step, shape) for values in others)
         )
 
 

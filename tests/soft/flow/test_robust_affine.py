@@ -106,6 +106,29 @@ def test_a_masked_region_does_not_leak():
     assert np.quantile(errors(field, truth)[rim], 0.95) < 0.1
 
 
+def edged_pair(soil_motion, edge_motion):
+    """Soil below a slanting, slightly blurred edge, dark above; where soil is."""
+    waves = Waves(seed=7)
+    x, y = grid()
+
+    def picture(soil, edge):
+        depth = (y - edge[1] - 40 - 0.3 * (x - edge[0])) / np.hypot(1, 0.3)
+        share = 0.5 * (1 + np.tanh(depth / 0.7))
+        return 12 + share * (waves(x - soil[0], y - soil[1]) - 12), depth
+
+    first, depth = picture((0, 0), (0, 0))
+    return first, picture(soil_motion, edge_motion)[0], depth
+
+
+@pytest.mark.parametrize("edge_motion", [(1.3, 0.4), (-2.0, 1.5)], ids=["free surface", "implement"])
+def test_an_edge_that_moves_otherwise_does_not_leak(edge_motion):
+    first, second, depth = edged_pair((1.3, 0.4), edge_motion)
+    field = estimate_flow(first, second, method="robust-affine", mask=depth > -2)
+    off, depth = errors(field, np.array([1.3, 0.4]))[:, 15:-15], depth[:, 15:-15]
+    for near in ((depth > 0.5) & (depth < 3), (depth > 3) & (depth < 8)):
+        assert np.quantile(off[near], 0.95) < 0.1
+
+
 def test_uncertainty_covers_the_errors_of_noise():
     first, second, truth = affine_pair((1.3, 0.4), [[0.01, 0.0], [0.0, 0.01]], seed=5)
     random = np.random.default_rng(1)

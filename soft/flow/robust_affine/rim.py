@@ -1,0 +1,89 @@
+"""The rim of a mask: where soil ends, and where light of something else comes in.
+
+At a free surface the soil's edge moves as the soil does and tells a lot. At an implement the edge is the
+implement's, and so steep that a few of its pixels outweigh all soil around. Grey levels do not tell the one
+from the other, but motion does: pixels at the rim are used only if the pictures agree there with the motion
+carried over from within.
+"""
+
+from dataclasses import replace
+
+import numpy as np
+
+from soft.flow.robust_affine.brightness import PicturePair
+from soft.masks import grown
+
+MARGIN = 1
+"""Px at a mask's rim that are never used, though measured."""
+DOUBTFUL = 5
+"""So far from the rim pixels have to prove themselves, px."""
+_SLACK = 0.4
+"""Motion carried over may be off by so much without putting a pixel off, px."""
+_AGREEING = 2.5
+"""Mean square of the residuals, in units of what noise and slack make of it, up to which pixels are used."""
+_OUTLIER = 20.0
+"""What a single one counts at most."""
+_BOX = 5
+"""Side of the box over which it is averaged, px."""
+
+
+def shrunk(mask: np.ndarray, by: int) -> np.ndarray:
+    """A mask (H, W) bool without the pixels at most `by` px from what lies outside of it."""
+    return ~grown(~mask, by)
+
+
+def join(pair: PicturePair, trusted: PicturePair, models: np.ndarray) -> tuple[PicturePair, np.ndarray]:
+    """Use those pixels, besides the trusted ones, that move as these do.
+
+    Parameters
+    ----------
+    pair : PicturePair
+        With every pixel that may be used.
+    trusted : PicturePair
+        The same with fewer: those that are used anyway.
+    models : (H, W, 6) float32
+        Motion found with these.
+
+    Returns
+    -------
+    pair : PicturePair
+        With the trusted and the agreeing pixels.
+    models : (H, W, 6) float32
+        Carried over to all that may be used.
+    """
+    import cv2
+
+    may, sure = pair.usable > 0, trusted.usable > 0
+    rim = may & ~sure
+    if not (rim.any() and sure.any()):
+        return trusted if sure.any() else pair, models
+    models = carried_outwards(models, sure, may)
+    constraints = trusted.constrain(models)
+    jx, jy, residual = (constraints.values[:, :, k] for k in (0, 1, 4))
+    expected = constraints.noise() ** 2 + _SLACK**2 * (jx * jx + jy * jy)
+    off = np.where(rim, np.minimum(residual * residual / expected, _OUTLIER), 0).astype(np.float32)
+    side = max(3, _BOX // pair.step)
+    share = cv2.boxFilter(rim.astype(np.float32), -1, (side, side))
+    agreeing = rim & (cv2.boxFilter(off, -1, (side, side)) < _AGREEING * share)
+    return replace(pair, usable=(sure | agreeing).astype(np.float32)), models
+
+
+def carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """Models of what is to be measured but not to be used, from the nearest pixel that was used."""
+    import cv2
+
+    rim = mask & ~usable
+    if not (rim.any() and usable.any()):
+        return models
+    _, labels = cv2.distanceTransformWithLabels(
+        (~usable).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
+    )
+    source = np.zeros((labels.max() + 1, 2), np.intp)
+    source[labels[usable]] = np.argwhere(usable)
+    places, nearest = np.argwhere(rim), source[labels[rim]]
+    down, right = (places - nearest).T.astype(np.float32)
+    carried, handed = models.copy(), models[nearest[:, 0], nearest[:, 1]]
+    for k in (0, 3):
+        handed[:, k] += handed[:, k + 1] * right + handed[:, k + 2] * down
+    carried[rim] = handed
+    return carried
