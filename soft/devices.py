@@ -29,9 +29,10 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
     ValueError
         The device is not here.
     """
-    with contextlib.redirect_stdout(io.StringIO()):  # taichi greets there
-        import taichi as ti
+    os.environ.setdefault("ENABLE_TAICHI_HEADER_PRINT", "0")  # it greets on import,
+    import taichi as ti
 
+    with contextlib.redirect_stdout(io.StringIO()):  # and on its start
         if ti.lang.impl.get_runtime().prog is None:
             if device == "cuda" and not ti.lang.misc.is_arch_supported(ti.cuda):
                 raise ValueError("device 'cuda': no CUDA device is found here")
