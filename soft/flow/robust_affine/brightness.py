@@ -71,8 +71,8 @@ class PicturePair:
         warped = np.empty((*self.shape, 4), np.float32)
         kernels.warp(self.coefficients, self.step, models, warped)
         gain = _gain(self.first[:, :, 0], warped[:, :, 0], self.usable * warped[:, :, 3], self.step)
-        values = np.empty((*self.shape, 5), np.float32)
-        kernels.constrain(self.first, warped, gain, models, self.usable, values)
+        values = np.empty((*self.shape, 7), np.float32)
+        kernels.constrain(self.first, warped, gain, models, self.usable, self.step, values)
         return Constraints(values, gain, warped[:, :, 1:3])
 
     def constrain_again(
@@ -94,8 +94,9 @@ class Constraints:
 
     Attributes
     ----------
-    values : (H, W, 5) float32
-        jx, jy, d, weight (0: not usable), and the residual in grey levels.
+    values : (H, W, 7) float32
+        jx, jy, d, weight (0: not usable), the residual in grey levels, and what noise alone makes of jx and
+        jy times the residual on average, over the residual's variance.
     gain : (H, W, 2) float32
         Factor and offset of the second picture.
     slopes : (H, W, 2) float32

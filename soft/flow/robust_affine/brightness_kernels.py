@@ -5,7 +5,11 @@ flat (`ti.ndrange`): taichi shares a loop over some hundred rows between no thre
 `soft.devices.start_taichi`.
 """
 
+import math
+
 import taichi as ti
+
+CUBE = 14 - 6 * math.sqrt(3)
 
 Picture = ti.types.ndarray(ti.f32, ndim=2)
 Channels = ti.types.ndarray(ti.f32, ndim=3)
@@ -63,6 +67,29 @@ def sample(coefficients: ti.template(), x, y):
 
 
 @ti.func
+def noise_between(t):
+    """Variance of white noise in a picture at a share t between two pixels, and its derivative by t.
+
+    Of the cubic spline through pixels whose noise has variance 1: 1 - 3 s^2 - (14 - 6 sqrt 3) s^3 with
+    s = t (1 - t), by summing the squares of its weights.
+    """
+    s = t * (1 - t)
+    return ti.Vector([1 - s * s * (3 + CUBE * s), -s * (6 + 3 * CUBE * s) * (1 - 2 * t)])
+
+
+@ti.func
+def noise_pull(x, y):
+    """What slope times residual is on average for noise alone, over the residual's variance; for x and y.
+
+    Interpolation smoothes noise most half-way between pixels, so residuals are least there, and fits are
+    drawn to it (the noise-induced bias of digital image correlation).
+    """
+    across, down = noise_between(x - ti.floor(x)), noise_between(y - ti.floor(y))
+    both = 4 * (1 + across[0] * down[0])
+    return ti.Vector([across[1] * down[0] / both, across[0] * down[1] / both])
+
+
+@ti.func
 def inside(x, y, height, width):
     """1 where (x, y) lies between the outermost pixel centres, else 0."""
     return ti.cast(x >= 0 and y >= 0 and x <= width - 1 and y <= height - 1, ti.f32)
@@ -95,11 +122,18 @@ def equation(first: ti.template(), gain: ti.template(), warped, model_u, model_v
 
 @ti.kernel
 def constrain(
-    first: Channels, warped: Channels, gain: Channels, models: Channels, usable: Picture, constraint: Channels
+    first: Channels,
+    warped: Channels,
+    gain: Channels,
+    models: Channels,
+    usable: Picture,
+    step: ti.i32,
+    constraint: Channels,
 ):
-    """Linear brightness constraints at every pixel's present motion: jx, jy, d, weight, residual.
+    """Linear brightness constraints at every pixel's present motion: jx, jy, d, weight, residual, pull.
 
-    `first` holds grey level and slopes; `gain` factor and offset that bring the second picture to its light.
+    `pull` is that of noise, two numbers. `first` holds grey level and slopes; `gain` factor and offset that
+    bring the second picture to its light.
     """
     for row, column in ti.ndrange(usable.shape[0], usable.shape[1]):
         there = ti.Vector([warped[row, column, 0], warped[row, column, 1], warped[row, column, 2]])
@@ -109,6 +143,8 @@ def constrain(
             constraint[row, column, k] = found[k]
         constraint[row, column, 3] = usable[row, column] * warped[row, column, 3]
         constraint[row, column, 4] = found[3]
+        pull = noise_pull(column * step + u, row * step + v)
+        constraint[row, column, 5], constraint[row, column, 6] = pull[0], pull[1]
 
 
 @ti.kernel
@@ -132,3 +168,5 @@ def constrain_places(
             constraint[row, column, k] = found[k]
         constraint[row, column, 3] = usable[row, column] * inside(x, y, height, width)
         constraint[row, column, 4] = found[3]
+        pull = noise_pull(x, y)
+        constraint[row, column, 5], constraint[row, column, 6] = pull[0], pull[1]

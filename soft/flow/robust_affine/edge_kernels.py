@@ -8,7 +8,7 @@ flat (`ti.ndrange`): taichi shares a loop over some hundred rows between no thre
 import taichi as ti
 
 from soft.flow.robust_affine.brightness_kernels import inside, sample
-from soft.flow.robust_affine.window_kernels import solved
+from soft.flow.robust_affine.window_kernels import pull_share, solved
 
 Picture = ti.types.ndarray(ti.f32, ndim=2)
 Channels = ti.types.ndarray(ti.f32, ndim=3)
@@ -70,6 +70,7 @@ def refit(
     reach: ti.i32,
     scale: ti.f32,
     apart: ti.f32,
+    noise: ti.f32,
     width: ti.f32,
     models: Channels,
     fitted: Table,
@@ -78,7 +79,7 @@ def refit(
 
     An equation's weight falls with its pixel's distance (to nothing at 2.5 `scale`), with how far that
     pixel's own motion is from what the place's model says there (to nothing at 3 `apart`, px), and with its
-    residual (Lorentzian of `width` grey levels).
+    residual (Lorentzian of `width` in `noise`, which is in grey levels).
     """
     height, across = constraint.shape[0], constraint.shape[1]
     for place in range(places.shape[0]):
@@ -99,12 +100,15 @@ def refit(
                 alike = 1 - (du * du + dv * dv) / 9
                 if near > 0 and alike > 0:
                     jx, jy, d = constraint[r, c, 0], constraint[r, c, 1], constraint[r, c, 2]
-                    z = (jx * u + jy * v - d) / width
+                    z = (jx * u + jy * v - d) / (width * noise)
                     weight = constraint[r, c, 3] * near * near * alike * alike / (1 + z * z / 2)
                     weights += weight
                     j = ti.Vector([jx, jx * x, jx * y, jy, jy * x, jy * y])
+                    free = weight * pull_share(z) * noise * noise
+                    pull_x, pull_y = free * constraint[r, c, 5], free * constraint[r, c, 6]
+                    pull = ti.Vector([pull_x, pull_x * x, pull_x * y, pull_y, pull_y * x, pull_y * y])
                     for i in ti.static(range(6)):
-                        b[i] += weight * j[i] * d
+                        b[i] += weight * j[i] * d + pull[i]
                         for k in ti.static(range(i, 6)):
                             m[i, k] += weight * j[i] * j[k]
         for i in ti.static(range(6)):

@@ -133,8 +133,7 @@ def _refitted(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: 
     from soft.flow.robust_affine import edge_kernels as kernels
 
     fitted = np.empty((len(zone.places), 6), np.float32)
-    width = _FIT_WIDTH * noise
-    kernels.refit(zone.places, constraints.values, _REACH, _WINDOW, _APART, width, models, fitted)
+    kernels.refit(zone.places, constraints.values, _REACH, _WINDOW, _APART, noise, _FIT_WIDTH, models, fitted)
     found = models.copy()
     found[zone.mask] = fitted
     return found

@@ -103,7 +103,7 @@ def _solve(
 
 def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:
     constraints = pair.constrain(models)
-    products = Products.of(constraints, _WIDE * constraints.noise())
+    products = Products.of(constraints, constraints.noise(), _WIDE)
     return fit(products, _FIRST, models).models(pair.shape)
 
 
@@ -112,7 +112,7 @@ def _chosen(
 ) -> Chosen:
     constraints = pair.constrain(models)
     noise = constraints.noise()
-    products = Products.of(constraints, _NARROW * noise)
+    products = Products.of(constraints, noise, _NARROW)
     inflated = noise * float(np.sqrt(_SLOPE_NOISE * constraints.slope_noise(pair.first)))
     return choose(products, windows, models, noise=inflated, confidence=options.confidence)
 
@@ -120,7 +120,7 @@ def _chosen(
 def _mended(pair: PicturePair, chosen: Chosen) -> Chosen:
     broken = grown(chosen.jump > _JUMP, _AROUND) & (pair.usable > 0)
     models, constraints = mend(pair, chosen.models, pair.constrain(chosen.models), broken)
-    products = Products.of(constraints, _NARROW * constraints.noise(), rest=True)
+    products = Products.of(constraints, constraints.noise(), _NARROW, rest=True)
     rest = fit(products, _CURVE, np.zeros_like(models)).models(pair.shape)
     rest[chosen.level > _CURVED] = 0
     return replace(chosen, models=models + rest)

@@ -22,9 +22,9 @@ _AROUND = 10.0
 _NEARBY = 8.0
 """Of the one in which the gradient's variation is, px."""
 _SHRINK = 4
-_REACH = 0.85
+_REACH = 1.3
 """Error by uneven gradients / their standard deviation, px per px/px."""
-_FLOOR = 0.008
+_FLOOR = 0.0105
 """px."""
 
 

@@ -15,24 +15,37 @@ Table = ti.types.ndarray(ti.f32, ndim=2)
 Levels = ti.types.ndarray(ti.i32, ndim=2)
 
 
+@ti.func
+def pull_share(z):
+    """How much of noise's pull a Lorentzian weight lets through, over the weight, at a residual of z widths.
+
+    The derivative of the weighted residual: what its product with a slope is on average for Gaussian noise
+    (Stein's lemma).
+    """
+    return (1 - z * z / 2) / (1 + z * z / 2)
+
+
 @ti.kernel
-def multiply(constraint: Channels, width: ti.f32, rest: ti.i32, squares: Channels, targets: Channels):
+def multiply(
+    constraint: Channels, noise: ti.f32, width: ti.f32, rest: ti.i32, squares: Channels, targets: Channels
+):
     """What windows sum: jx jx, jx jy, jy jy and jx d, jy d, each times its pixel's weight.
 
-    Weights are Lorentzian, `width` in grey levels (the paper's Eq. 5). With `rest` 1, d is what the present
-    motion leaves unexplained.
+    Weights are Lorentzian, `width` in `noise`, which is in grey levels (the paper's Eq. 5). Targets are freed
+    of noise's pull. With `rest` 1, d is what the present motion leaves unexplained.
     """
     for row, column in ti.ndrange(constraint.shape[0], constraint.shape[1]):
         residual = constraint[row, column, 4]
-        z = residual / width
+        z = residual / (width * noise)
         weight = constraint[row, column, 3] / (1 + z * z / 2)
         jx, jy = constraint[row, column, 0], constraint[row, column, 1]
         d = ti.select(rest == 1, -residual, constraint[row, column, 2])
         squares[row, column, 0] = weight * jx * jx
         squares[row, column, 1] = weight * jx * jy
         squares[row, column, 2] = weight * jy * jy
-        targets[row, column, 0] = weight * jx * d
-        targets[row, column, 1] = weight * jy * d
+        free = weight * pull_share(z) * noise * noise
+        targets[row, column, 0] = weight * jx * d + free * constraint[row, column, 5]
+        targets[row, column, 1] = weight * jy * d + free * constraint[row, column, 6]
 
 
 @ti.func

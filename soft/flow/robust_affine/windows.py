@@ -58,13 +58,16 @@ class Products:
     targets: np.ndarray
 
     @classmethod
-    def of(cls, constraints: Constraints, width: float, *, rest: bool = False) -> "Products":
-        """With Lorentzian weights of that width, grey levels; `rest`: of what the present motion leaves."""
+    def of(cls, constraints: Constraints, noise: float, width: float, *, rest: bool = False) -> "Products":
+        """With Lorentzian weights of that width in `noise`, which is in grey levels.
+
+        `rest`: of what the present motion leaves unexplained.
+        """
         from soft.flow.robust_affine import window_kernels as kernels
 
         shape = constraints.values.shape[:2]
         products = cls(np.empty((*shape, 3), np.float32), np.empty((*shape, 2), np.float32))
-        kernels.multiply(constraints.values, width, int(rest), products.squares, products.targets)
+        kernels.multiply(constraints.values, noise, width, int(rest), products.squares, products.targets)
         return products
 
     def after(self, at_nodes: np.ndarray, stride: int) -> "Products":
