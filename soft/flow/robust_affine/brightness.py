@@ -9,17 +9,12 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
+from soft.flow.spline import grey_and_slopes, spline_coefficients
+
 LIGHT_SCALE = 15.0
 """Standard deviation of the window in which both pictures get the same mean and contrast, px."""
 _LIGHT_SHRINK = 4
 """Pictures are reduced by this for it."""
-_POLE = np.sqrt(3.0) - 2.0
-"""Of the cubic B-spline's inverse filter (Unser, Aldroubi, Eden, IEEE Trans. Signal Processing 41, 1993)."""
-_REACH = 12
-"""Coefficients of it that are kept each way: the next is below 1e-7 of the first."""
-_INVERSE = (np.sqrt(3.0) * _POLE ** np.abs(np.arange(-_REACH, _REACH + 1))).astype(np.float32)
-_SMOOTH = np.array([1 / 6, 2 / 3, 1 / 6], np.float32)
-_SLOPE = np.array([-1 / 2, 0, 1 / 2], np.float32)
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,9 +40,7 @@ class PicturePair:
     @classmethod
     def of(cls, first: np.ndarray, second: np.ndarray, mask: np.ndarray) -> "PicturePair":
         """From (H, W) float32 pictures and a bool mask, True = use."""
-        own = spline_coefficients(first)
-        slopes = (_filtered(own, _SLOPE, _SMOOTH), _filtered(own, _SMOOTH, _SLOPE))
-        return cls(np.dstack([first, *slopes]), spline_coefficients(second), mask.astype(np.float32))
+        return cls(grey_and_slopes(first), spline_coefficients(second), mask.astype(np.float32))
 
     def thinned(self, step: int) -> "PicturePair":
         """With equations of every `step`-th pixel each way only."""
@@ -67,9 +60,10 @@ class PicturePair:
     def constrain(self, models: np.ndarray) -> "Constraints":
         """Every pixel's equation, linear around where its model (H, W, 6) takes it."""
         from soft.flow.robust_affine import brightness_kernels as kernels
+        from soft.flow.spline_kernels import warp
 
         warped = np.empty((*self.shape, 4), np.float32)
-        kernels.warp(self.coefficients, self.step, models, warped)
+        warp(self.coefficients, self.step, models, 3, warped)
         gain = _gain(self.first[:, :, 0], warped[:, :, 0], self.usable * warped[:, :, 3], self.step)
         values = np.empty((*self.shape, 7), np.float32)
         kernels.constrain(self.first, warped, gain, models, self.usable, self.step, values)
@@ -128,17 +122,6 @@ class Constraints:
         if shared <= 0:
             return 1.0
         return max(1.0, float(np.mean((before + after) ** 2, dtype=np.float64)) / 4 / shared)
-
-
-def spline_coefficients(picture: np.ndarray) -> np.ndarray:
-    """Coefficients of the cubic B-spline through a picture's grey levels, mirrored at its border."""
-    return _filtered(picture, _INVERSE, _INVERSE)
-
-
-def _filtered(picture: np.ndarray, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:
-    import cv2
-
-    return cv2.sepFilter2D(picture, cv2.CV_32F, along_x, along_y, borderType=cv2.BORDER_REFLECT_101)
 
 
 def averaged_small(values: np.ndarray, sigma: float, shrink: int) -> np.ndarray:

@@ -7,8 +7,8 @@ flat (`ti.ndrange`): taichi shares a loop over some hundred rows between no thre
 
 import taichi as ti
 
-from soft.flow.robust_affine.brightness_kernels import inside, sample
 from soft.flow.robust_affine.window_kernels import pull_share, solved
+from soft.flow.spline_kernels import inside, sample
 
 Picture = ti.types.ndarray(ti.f32, ndim=2)
 Channels = ti.types.ndarray(ti.f32, ndim=3)
