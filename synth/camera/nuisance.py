@@ -10,8 +10,18 @@ if TYPE_CHECKING:
     from synth.recording import Recording
     from synth.scene import Scene
 
-STATES = ("carriage_x", "implement_x", "implement_z", "implement_angle", "position_x", "position_z", "angle")
-"""Variables of a recording that a picture shows."""
+STATES = (
+    "carriage_x",
+    "implement_x",
+    "implement_z",
+    "implement_angle",
+    "position_x",
+    "position_z",
+    "angle",
+    "rim_x",
+    "rim_z",
+)
+"""Variables of a recording that a picture shows; the last two where a wheel has an elastic rim."""
 
 
 def vibration(scene: "Scene", frame: int) -> tuple[float, float]:
@@ -52,14 +62,15 @@ def states_at(recording: "Recording", at: "np.ndarray") -> "Recording":
     """A recording's states at fractional frames: linear between them, and on as there beyond the ends."""
     import xarray as xr
 
-    from synth.recording import VARIABLES, Recording
+    from synth.recording import RIM_VARIABLES, VARIABLES, Recording
 
-    arrays = {name: recording.data[name].values for name in VARIABLES}
-    for name in ("time", *STATES):
+    known = {name: kind for name, kind in (VARIABLES | RIM_VARIABLES).items() if name in recording.data}
+    arrays = {name: recording.data[name].values for name in known}
+    for name in arrays.keys() & {"time", *STATES}:
         arrays[name] = _between(arrays[name], at)
     for name in ("velocity_x", "velocity_z"):  # no picture shows them
         arrays[name] = arrays[name][at.round().astype(int).clip(0, recording.frame_count - 1)]
-    data = xr.Dataset({name: (VARIABLES[name][0], array) for name, array in arrays.items()})
+    data = xr.Dataset({name: (known[name][0], array) for name, array in arrays.items()})
     return Recording(data.assign_attrs(recording.data.attrs))
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from synth.camera.nuisance import as_seen, flicker, vibration
+from synth.recording import Recording
 from synth.truth import true_motion
 
 STEP = 6  # px a frame, of the travelling camera
@@ -115,6 +116,17 @@ def test_jitter_takes_the_picture_at_another_instant_and_the_truth_knows(cases, 
     truth = true_motion(case.recording, case.scene, 1, 2)
     assert truth.u.values == pytest.approx(at[2] - at[1], abs=1e-3)
     assert abs(at[2] - at[1] - 4) > 0.05
+
+
+def test_an_elastic_rim_is_where_it_was_at_that_instant(cases, fields):
+    case = cases.case(fields["translation"](4, 0), frames=5, nuisance={"jitter": 0.1})
+    nodes = np.arange(5)[:, None] * [1.0, 2.0, 3.0]
+    rim = dict.fromkeys(("rim_x", "rim_z"), (("frame", "node"), nodes))
+    seen = as_seen(Recording(case.recording.data.assign(rim)), case.scene).data
+    at = np.interp(seen["time"].values, case.recording.data["time"].values, np.arange(5))
+    assert np.abs(at - np.arange(5)).max() > 0.01
+    for name in rim:
+        assert seen[name].values == pytest.approx(at[:, None] * [1.0, 2.0, 3.0])
 
 
 def test_vibration_shakes_a_travelling_camera_only_and_the_truth_knows(cases, fields):
