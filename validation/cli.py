@@ -562,6 +562,7 @@ def bench(
     """Measure speed, ours and that of peers found on the PATH, on the same work and in turn."""
     from validation.bench.dem import GRAIN_COUNTS, bench_dem
     from validation.bench.flow import bench_flow
+    from validation.bench.flow_case import analytic_cases, run_cases
     from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
 
@@ -569,7 +570,8 @@ def bench(
     workers = threads or os.cpu_count() or 1
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
         if name == "flow":
-            rows = bench_flow(runs=run or (), repeats=repeats, threads=workers, progress=progress)
+            cases = analytic_cases() + run_cases(run or ())
+            rows = bench_flow(cases, repeats=repeats, threads=workers, progress=progress)
         elif name == "render":
             rows = bench_render(repeats=repeats, threads=workers, progress=progress)
         else:
