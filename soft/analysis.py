@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from soft.flow import DEFAULT, FlowError, FlowField, FlowFiles, estimate_flow, find_estimator
+from soft.flow import DEFAULT, FlowError, FlowField, FlowFiles, estimate_flow, find_estimator, resolve_options
 from soft.flow.files import PREFIX
 from soft.inertial import to_inertial
 from soft.masks import grown
@@ -235,7 +235,6 @@ def _resolved_options(settings: _Settings, pair_count: int) -> dict[str, object]
     """Refuse what cannot work before any picture is read, and spell out every option."""
     if settings.soil not in SOIL_CHOICES:
         raise ValueError(f"soil: {settings.soil!r}: allowed are {', '.join(SOIL_CHOICES)}")
-    estimator = find_estimator(settings.method)
     if isinstance(settings.method, str) and _is_files(settings.method):
         if settings.options:
             raise FlowError(
@@ -243,7 +242,7 @@ def _resolved_options(settings: _Settings, pair_count: int) -> dict[str, object]
             )
         FlowFiles(settings.method.removeprefix(PREFIX)).require_pairs(pair_count)
         return {}
-    return estimator.resolved(estimator.options(settings.options))
+    return resolve_options(settings.method, settings.options)
 
 
 def _attributes(

@@ -1,6 +1,6 @@
 """Displacement between two pictures: `estimate_flow` and its estimators."""
 
-from soft.flow.estimate import DEFAULT, estimate_flow
+from soft.flow.estimate import DEFAULT, estimate_flow, resolve_options
 from soft.flow.field import FlowError, FlowField
 from soft.flow.files import FlowFiles
 from soft.flow.flo import read_flo, write_flo
@@ -17,6 +17,7 @@ __all__ = [
     "find_estimator",
     "read_flo",
     "read_kitti",
+    "resolve_options",
     "write_flo",
     "write_kitti",
 ]

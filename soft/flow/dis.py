@@ -115,4 +115,10 @@ def _resolved(options: DisOptions) -> dict[str, object]:
     return {"preset": options.preset} | told | {"coarsest_scale": options.coarsest_scale}
 
 
-ESTIMATOR = Estimator("dis", DisOptions, _solve, resolved=_resolved)
+def _effective_window(options: DisOptions) -> float:
+    """A patch, in px of the pictures."""
+    solver = _solver(options)
+    return solver.getPatchSize() * 2.0 ** solver.getFinestScale()
+
+
+ESTIMATOR = Estimator("dis", DisOptions, _solve, resolved=_resolved, effective_window=_effective_window)

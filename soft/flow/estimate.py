@@ -1,12 +1,16 @@
 """`estimate_flow`: checks what goes in, lets an estimator work, says where its answer is a measurement."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from dataclasses import replace
 
 import numpy as np
 
+from soft.flow.consistency import Check, landed, landing, read_back
 from soft.flow.estimator import Estimator
 from soft.flow.field import FlowError, FlowField
 from soft.flow.opencv import opencv_threads
+from soft.flow.options import require_flag
+from soft.flow.plain_uncertainty import plain_uncertainty
 from soft.flow.registry import find_estimator
 
 DEFAULT = "robust-affine"
@@ -25,6 +29,8 @@ def estimate_flow(
     mask: np.ndarray | None = None,
     device: str = "cpu",
     threads: int | None = None,
+    forward_backward: bool | float | None = None,
+    uncertainty: bool = True,
     **options: object,
 ) -> FlowField:
     """Displacement of every pixel of `first` to where it is in `second`.
@@ -34,14 +40,20 @@ def estimate_flow(
     first, second : (H, W) array
         Grey pictures, 0-255, finite. Floating ones keep their fractions as far as the method can use them.
     method : str or callable, optional
-        `dis`, `farneback`, `package.module:function`, `files:FOLDER` (needs the option `pair`), or a function
-        `f(first, second, mask) -> (H, W, 2)`.
+        A name of `BUILT_IN`, `package.module:function`, `files:FOLDER` (needs the option `pair`), or a
+        function `f(first, second, mask) -> (H, W, 2)`.
     mask : (H, W) bool, optional
-        True = use. Pixels outside are not valid. Neither DIS nor Farnebäck can ignore them otherwise.
+        True = use. Pixels outside are not valid. Libraries' methods cannot ignore them otherwise.
     device : str, optional
         Where to compute.
     threads : int, optional
         Threads of OpenCV, for this call only; OpenCV's own setting by default.
+    forward_backward : bool or float, optional
+        Measure from `second` to `first` too, and take for valid only what comes back to where it started: by
+        the rule of Sundaram, Brox and Keutzer (2010) if true, to within so many px if a number. By default
+        built-in methods do, users' own do not. Costs about as much again.
+    uncertainty : bool, optional
+        False leaves it out: no time is spent on an estimate that the method itself does not give.
     **options
         The method's own; unknown ones are refused.
 
@@ -49,8 +61,8 @@ def estimate_flow(
     -------
     FlowField
         Displacement in px, x right and y down, forward, on the grid of `first`. Not valid, and NaN: outside
-        the mask, where the motion leads out of the picture, where the method gave none, and, with the
-        built-in methods, where the first picture has no texture within 7 px.
+        the mask, where the motion leads out of the picture, where the method gave none, where the way back
+        misses the start, and, with the built-in methods, where the first picture has no texture within 7 px.
 
     Raises
     ------
@@ -63,6 +75,8 @@ def estimate_flow(
             f"device {device!r}: method {estimator.name!r} runs on {', '.join(estimator.devices)}"
         )
     settings = estimator.options(options)
+    check = _check(estimator, forward_backward)
+    require_flag("uncertainty", uncertainty)
     first, second = _checked_pictures(first, second, estimator)
     usable = _checked_mask(mask, first.shape)
     if not estimator.own_texture:
@@ -71,7 +85,33 @@ def estimate_flow(
         if estimator.start is not None:
             estimator.start(device, threads)
         field = _solve(estimator, first, second, usable, settings)
-    return field.where(lands_inside(field.displacement))
+        field = field.where(lands_inside(field.displacement))
+        if not estimator.own_texture:
+            field = field.where(lands_on(has_texture(second), field.displacement))
+        back = None
+        if check is not None and field.valid.any():
+            back = read_back(field.displacement, _backward(estimator, first, second, field, settings))
+            field = field.where(check.passed(field.displacement, back))
+        return _with_uncertainty(estimator, first, second, field, back, settings, wanted=uncertainty)
+
+
+def resolve_options(method: str | Callable, options: Mapping[str, object]) -> dict[str, object]:
+    """Every option of `estimate_flow` that changes its answer, spelt out: for the record in a result.
+
+    Raises
+    ------
+    FlowError
+        If an option is unknown or impossible.
+    """
+    estimator, own = find_estimator(method), dict(options)
+    wish, uncertainty = own.pop("forward_backward", None), own.pop("uncertainty", True)
+    check = _check(estimator, wish)  # type: ignore[arg-type]
+    require_flag("uncertainty", uncertainty)
+    told: bool | float = check is not None
+    if check is not None and check.tolerance is not None:
+        told = check.tolerance
+    resolved = estimator.resolved(estimator.options(own))
+    return resolved | {"forward_backward": told, "uncertainty": uncertainty}
 
 
 def has_texture(picture: np.ndarray) -> np.ndarray:
@@ -91,6 +131,42 @@ def lands_inside(displacement: np.ndarray) -> np.ndarray:
     x = np.arange(width, dtype=np.float32) + displacement[:, :, 0]
     y = np.arange(height, dtype=np.float32)[:, None] + displacement[:, :, 1]
     return (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
+
+
+def lands_on(region: np.ndarray, displacement: np.ndarray) -> np.ndarray:
+    """Tell where a displacement (H, W, 2) px ends beside a pixel of `region` (H, W) bool; False for NaN."""
+    import cv2
+
+    x, y = landing(displacement)
+    share = cv2.remap(region.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    return (share > 0) & np.isfinite(displacement).all(axis=2)
+
+
+def _check(estimator: Estimator, wish: bool | float | None) -> Check | None:
+    check = Check.of(estimator.forward_backward if wish is None else wish)
+    if check is not None and not estimator.reversible:
+        raise FlowError(f"forward_backward: {wish!r}: method {estimator.name!r} knows one direction only")
+    return check
+
+
+def _backward(estimator: Estimator, first, second, field: FlowField, settings) -> np.ndarray:
+    """Displacement from the second picture to the first, (H, W, 2) px on the second's grid."""
+    if estimator.backward is not None:
+        return estimator.backward(first, second, field, settings)
+    usable = landed(field.displacement) if estimator.keeps_to_mask else np.ones(first.shape, bool)
+    return estimator.solve(second, first, usable, settings).displacement
+
+
+def _with_uncertainty(
+    estimator: Estimator, first, second, field: FlowField, back: np.ndarray | None, settings, *, wanted: bool
+) -> FlowField:
+    if not wanted:
+        return replace(field, uncertainty=None)
+    if estimator.effective_window is None or field.uncertainty is not None:
+        return field
+    window = estimator.effective_window(settings)
+    sigma = plain_uncertainty(first, second, field.displacement, back, window=window)
+    return replace(field, uncertainty=sigma)
 
 
 def _solve(estimator: Estimator, first, second, usable, settings) -> FlowField:

@@ -22,6 +22,20 @@ class Solver(Protocol):
         ...
 
 
+class BackwardSolver(Protocol):
+    """Measures the way back, from the second picture to the first, knowing the way there."""
+
+    def __call__(
+        self, first: np.ndarray, second: np.ndarray, forward: FlowField, options: Any, /
+    ) -> np.ndarray:
+        """Measure displacement from `second` to `first`, (H, W, 2) px on the grid of `second`.
+
+        Pictures are as given to the `Solver`; `forward` is its answer. NaN where not measured: what lands
+        there is not valid.
+        """
+        ...
+
+
 @dataclass(frozen=True)
 class Estimator:
     """A named solver and what it takes.
@@ -46,6 +60,15 @@ class Estimator:
         True if pixels outside the mask do not disturb those inside.
     start : callable, optional
         Called with device and threads (None: every core) before `solve`.
+    forward_backward : bool
+        Whether motion there and back is compared unless a user says otherwise.
+    reversible : bool
+        False if it cannot measure from the second picture to the first.
+    backward : BackwardSolver, optional
+        Measures the way back at less cost; None: `solve` does it, with the pictures swapped.
+    effective_window : callable, optional
+        Options to the side of the square that it averages over, in effect, px: the uncertainty is estimated
+        from that (`plain_uncertainty`). None: it tells its own, or none.
     """
 
     name: str
@@ -57,6 +80,10 @@ class Estimator:
     own_texture: bool = False
     keeps_to_mask: bool = False
     start: Callable[[str, int | None], object] | None = None
+    forward_backward: bool = True
+    reversible: bool = True
+    backward: BackwardSolver | None = None
+    effective_window: Callable[[Any], float] | None = None
 
     def options(self, given: Mapping[str, object]) -> Any:
         """Build the options dataclass from keywords; unknown ones are a FlowError."""

@@ -59,4 +59,11 @@ def _solve(first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: Far
     return FlowField(displacement, mask)
 
 
-ESTIMATOR = Estimator("farneback", FarnebackOptions, _solve, least_side=16)
+def _effective_window(options: FarnebackOptions) -> float:
+    """The square whose mean varies as the window's; OpenCV's Gaussian has a sigma of 0.15 of its size."""
+    return options.window_size * (2 * np.sqrt(np.pi) * 0.15 if options.gaussian_window else 1.0)
+
+
+ESTIMATOR = Estimator(
+    "farneback", FarnebackOptions, _solve, least_side=16, effective_window=_effective_window
+)

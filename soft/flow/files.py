@@ -82,4 +82,4 @@ def from_files(method: str) -> Estimator:
     def solve(first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: FilesOptions) -> FlowField:
         return FlowField(files.read(options.pair, (first.shape[0], first.shape[1])), mask)
 
-    return Estimator(method, FilesOptions, solve, own_texture=True)
+    return Estimator(method, FilesOptions, solve, own_texture=True, forward_backward=False, reversible=False)

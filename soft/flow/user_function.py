@@ -30,7 +30,7 @@ def from_function(function: Callable, name: str | None = None) -> Estimator:
             raise FlowError(f"method {name!r} failed: {type(error).__name__}: {error}") from error
         return FlowField(_checked(output, first.shape, name), mask)
 
-    return Estimator(name, NoOptions, solve, own_texture=True)
+    return Estimator(name, NoOptions, solve, own_texture=True, forward_backward=False)
 
 
 def from_import_path(path: str) -> Estimator:

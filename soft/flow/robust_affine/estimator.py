@@ -139,4 +139,5 @@ ESTIMATOR = Estimator(
     devices=DEVICES,
     keeps_to_mask=True,
     start=start_taichi,
+    forward_backward=False,
 )
