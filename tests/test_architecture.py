@@ -22,6 +22,7 @@ HEAVY = (
     "mujoco",
     "numpy",
     "scipy",
+    "skimage",
     "sklearn",
     "taichi",
     "xarray",

@@ -12,7 +12,9 @@ from soft.flow.user_function import from_function, from_import_path
 BUILT_IN = {
     "dis": "soft.flow.dis",
     "farneback": "soft.flow.farneback",
+    "ilk": "soft.flow.ilk",
     "robust-affine": "soft.flow.robust_affine.estimator",
+    "tvl1": "soft.flow.tvl1",
 }
 
 
