@@ -45,7 +45,7 @@ class _Settings:
     """How each pair is analyzed."""
 
     method: str | Callable
-    options: Mapping[str, object]
+    options: dict[str, object]
     soil: str
     vertical: bool
     seed: int
@@ -111,10 +111,11 @@ def analyze(
     ValueError
         If `soil` is another word.
     """
-    keeps_to_mask = find_estimator(method).keeps_to_mask
-    settings = _Settings(method, dict(options or {}), soil, vertical, seed, threads, device, keeps_to_mask)
+    estimator = find_estimator(method)
+    keeps = estimator.keeps_to_mask
+    settings = _Settings(method, dict(options or {}), soil, vertical, seed, threads, device, keeps)
     recorded = _resolved_options(settings, len(sequence.pairs))
-    writer = _writer(sequence, path)
+    writer = _writer(sequence, path, gridded=estimator.gridded)
     try:
         seconds, remarks = _analyze_pairs(sequence, settings, writer, progress)
         attributes = _attributes(sequence, settings, recorded, float(np.mean(seconds)), remarks)
@@ -124,9 +125,13 @@ def analyze(
         raise
 
 
-def _writer(sequence: ImageSequence, path: str | Path | None) -> SoilFlowWriter:
+def _writer(sequence: ImageSequence, path: str | Path | None, *, gridded: bool) -> SoilFlowWriter:
     sizes = {"pair": len(sequence.pairs), "y": sequence.shape[0], "x": sequence.shape[1]}
-    form = {"calibrated": sequence.calibrated, "timed": sequence.frame_rate is not None}
+    form = {
+        "calibrated": sequence.calibrated,
+        "gridded": gridded,
+        "timed": sequence.frame_rate is not None,
+    }
     return MemoryWriter(sizes, **form) if path is None else FileWriter(path, sizes, **form)
 
 
@@ -214,6 +219,8 @@ def _field_values(field: FlowField) -> dict[str, Any]:
     values = {"u": field.displacement[:, :, 0], "v": field.displacement[:, :, 1], "valid": field.valid}
     if field.uncertainty is not None:
         values |= {"uncertainty_u": field.uncertainty[:, :, 0], "uncertainty_v": field.uncertainty[:, :, 1]}
+    if field.nodes is not None:
+        values |= {"node_x": field.nodes[:, :, 0], "node_y": field.nodes[:, :, 1]}
     return values
 
 
@@ -236,12 +243,10 @@ def _resolved_options(settings: _Settings, pair_count: int) -> dict[str, object]
     if settings.soil not in SOIL_CHOICES:
         raise ValueError(f"soil: {settings.soil!r}: allowed are {', '.join(SOIL_CHOICES)}")
     if isinstance(settings.method, str) and _is_files(settings.method):
-        if settings.options:
-            raise FlowError(
-                f"method {settings.method!r}: takes no options here: {', '.join(settings.options)}"
-            )
+        if "pair" in settings.options:
+            raise FlowError(f"method {settings.method!r}: pair: is not to be given here")
         FlowFiles(settings.method.removeprefix(PREFIX)).require_pairs(pair_count)
-        return {}
+        return resolve_options(settings.method, settings.options | {"pair": 0})
     return resolve_options(settings.method, settings.options)
 
 

@@ -50,6 +50,11 @@ CALIBRATED_VARIABLES = {
         _PIXEL, "float32", "m s-1", "vertical velocity in the inertial frame, up positive"
     ),
 }
+NODE_VARIABLES = {
+    "node_x": VariableSpec(_PIXEL, "float32", "px", "where a grid's vector was measured, NaN without one"),
+    "node_y": VariableSpec(_PIXEL, "float32", "px", "where a grid's vector was measured, down positive"),
+}
+"""Of methods that tell of the nodes of a grid only."""
 COORDINATES = {
     "first_frame": VariableSpec(_PAIR, "int64", "1", "index of the first frame of the pair"),
     "second_frame": VariableSpec(_PAIR, "int64", "1", "index of the second frame of the pair"),
@@ -58,9 +63,9 @@ COORDINATES = {
 UNTIMED = VariableSpec(_PAIR, "float64", "frame", "index of the first frame, as the frame rate is unknown")
 
 
-def variables_for(*, calibrated: bool) -> dict[str, VariableSpec]:
+def variables_for(*, calibrated: bool, gridded: bool) -> dict[str, VariableSpec]:
     """Name the variables of a SoilFlow."""
-    return VARIABLES | CALIBRATED_VARIABLES if calibrated else dict(VARIABLES)
+    return VARIABLES | (CALIBRATED_VARIABLES if calibrated else {}) | (NODE_VARIABLES if gridded else {})
 
 
 def coordinates_for(*, timed: bool) -> dict[str, VariableSpec]:
@@ -85,8 +90,11 @@ def check_soil_flow(flow: "xarray.Dataset", *, name: str = "SoilFlow") -> "xarra
         wrong.
     """
     _check_attributes(flow, name)
-    calibrated = any(variable in flow.data_vars for variable in CALIBRATED_VARIABLES)
-    for variable, spec in variables_for(calibrated=calibrated).items():
+    calibrated, gridded = (
+        any(variable in flow.data_vars for variable in group)
+        for group in (CALIBRATED_VARIABLES, NODE_VARIABLES)
+    )
+    for variable, spec in variables_for(calibrated=calibrated, gridded=gridded).items():
         _check_variable(flow, variable, spec, name)
     timed = "time" not in flow.coords or flow["time"].attrs.get("units") != UNTIMED.units
     for coordinate, spec in coordinates_for(timed=timed).items():

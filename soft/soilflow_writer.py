@@ -37,9 +37,9 @@ class SoilFlowWriter(Protocol):
 class MemoryWriter:
     """Holds the whole SoilFlow in memory."""
 
-    def __init__(self, sizes: Mapping[str, int], *, calibrated: bool, timed: bool) -> None:
+    def __init__(self, sizes: Mapping[str, int], *, calibrated: bool, gridded: bool, timed: bool) -> None:
         self._coordinates = coordinates_for(timed=timed)
-        self._specs = variables_for(calibrated=calibrated) | self._coordinates
+        self._specs = variables_for(calibrated=calibrated, gridded=gridded) | self._coordinates
         self._arrays = {name: _empty(spec, sizes) for name, spec in self._specs.items()}
 
     def put(self, pair: int, values: Mapping[str, Any]) -> None:
@@ -65,14 +65,16 @@ class MemoryWriter:
 class FileWriter:
     """Writes each pair to a netCDF-4 file as it comes, so that memory holds one pair at a time."""
 
-    def __init__(self, path: str | Path, sizes: Mapping[str, int], *, calibrated: bool, timed: bool) -> None:
+    def __init__(
+        self, path: str | Path, sizes: Mapping[str, int], *, calibrated: bool, gridded: bool, timed: bool
+    ) -> None:
         import h5netcdf
 
         self._path = Path(path)
         self._file = h5netcdf.File(self._path, "w")
         self._file.dimensions = dict(sizes)
         coordinates = coordinates_for(timed=timed)
-        for name, spec in (variables_for(calibrated=calibrated) | coordinates).items():
+        for name, spec in (variables_for(calibrated=calibrated, gridded=gridded) | coordinates).items():
             self._create(name, spec, sizes, is_pixel_data=name not in coordinates)
 
     def _create(

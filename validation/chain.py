@@ -512,7 +512,7 @@ def _flow_files(method: Method) -> list[str]:
         return []
     from soft.flow import FlowFiles
 
-    return [file_digest(path) for path in FlowFiles(method.folder).paths]
+    return [file_digest(path) for path in FlowFiles(method.folder).sources]
 
 
 def _seconds_per_pair(method: Method, flow: "xr.Dataset") -> float | None:

@@ -29,7 +29,10 @@ class ErrorSummary:
     bias_u, bias_v : float or None
         Mean of measured less true displacement over the measured pixels, px.
     wrong_share : dict
-        For each bound of `WRONG_ABOVE`, the share of all pixels whose error is above it or not measured.
+        For each bound of `WRONG_ABOVE`, the share of all pixels whose error is above it or not measured; of
+        a method that tells of the nodes of a grid only, of all pixels that hold a node.
+    node_count : int or None
+        Pixels of the stratum that hold a node, measured or not; None for methods that tell of every pixel.
     """
 
     pixel_count: int
@@ -41,10 +44,14 @@ class ErrorSummary:
     bias_u: float | None
     bias_v: float | None
     wrong_share: dict[str, float | None]
+    node_count: int | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """As it stands in scores.json."""
-        return asdict(self)
+        told = asdict(self)
+        if self.node_count is None:
+            del told["node_count"]
+        return told
 
 
 def end_point_error(difference_u: np.ndarray, difference_v: np.ndarray) -> np.ndarray:
@@ -61,16 +68,24 @@ class ErrorTally:
 
     def __init__(self) -> None:
         self._pixel_count = 0
+        self._node_count: int | None = None
         self._errors: list[np.ndarray] = []
         self._sums = np.zeros(4)
 
-    def add(self, difference_u: np.ndarray, difference_v: np.ndarray) -> None:
-        """Add pixels: measured less true displacement, px, (N,) each; NaN where not measured."""
+    def add(
+        self, difference_u: np.ndarray, difference_v: np.ndarray, *, node_count: int | None = None
+    ) -> None:
+        """Add pixels: measured less true displacement, px, (N,) each; NaN where not measured.
+
+        `node_count` says how many of them hold a node of a grid; None: the method tells of all.
+        """
         measured = np.isfinite(difference_u) & np.isfinite(difference_v)
         u = difference_u[measured].astype(np.float64)
         v = difference_v[measured].astype(np.float64)
         error = end_point_error(u, v)
         self._pixel_count += measured.size
+        if node_count is not None:
+            self._node_count = node_count + (self._node_count or 0)
         self._sums += [error.sum(), np.square(error).sum(), u.sum(), v.sum()]
         self._errors.append(error.astype(np.float32))
 
@@ -81,10 +96,11 @@ class ErrorTally:
         errors = [part for tally in tallies for part in tally._errors]
         error = np.concatenate(errors) if errors else np.empty(0, np.float32)
         sums = sum((tally._sums for tally in tallies), np.zeros(4))
-        return _summary(pixel_count, error, sums)
+        nodes = [tally._node_count for tally in tallies if tally._node_count is not None]
+        return _summary(pixel_count, sum(nodes) if nodes else None, error, sums)
 
 
-def _summary(pixel_count: int, error: np.ndarray, sums: np.ndarray) -> ErrorSummary:
+def _summary(pixel_count: int, node_count: int | None, error: np.ndarray, sums: np.ndarray) -> ErrorSummary:
     median = mean = p95 = rmse = bias_u = bias_v = None
     if error.size:
         # The result overwrites the input's order, not its values: no second copy of what may be large.
@@ -100,12 +116,13 @@ def _summary(pixel_count: int, error: np.ndarray, sums: np.ndarray) -> ErrorSumm
         rmse=rmse,
         bias_u=bias_u,
         bias_v=bias_v,
-        wrong_share=_wrong_share(pixel_count, error),
+        wrong_share=_wrong_share(pixel_count if node_count is None else node_count, error),
+        node_count=node_count,
     )
 
 
-def _wrong_share(pixel_count: int, error: np.ndarray) -> dict[str, float | None]:
-    if not pixel_count:
+def _wrong_share(count: int, error: np.ndarray) -> dict[str, float | None]:
+    if not count:
         return {str(bound): None for bound in WRONG_ABOVE}
     right = {bound: int(np.count_nonzero(error <= np.float32(bound))) for bound in WRONG_ABOVE}
-    return {str(bound): 1 - count / pixel_count for bound, count in right.items()}
+    return {str(bound): 1 - rightly / count for bound, rightly in right.items()}

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.metrics import ErrorSummary, ErrorTally
+from validation.nodes import difference_at, has_node
 from validation.strata import STRATA, find_strata
 
 if TYPE_CHECKING:
@@ -166,12 +167,19 @@ def _membership(masks: dict[str, np.ndarray]) -> np.ndarray:
 def _add_pair(
     parts: dict[int, ErrorTally], codes: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset"
 ) -> None:
-    measured = flow["valid"].values.astype(bool) if "valid" in flow else True
-    difference_u = np.where(measured, flow["u"].values - truth["u"].values, np.nan)
-    difference_v = np.where(measured, flow["v"].values - truth["v"].values, np.nan)
+    nodes = _stacked(flow, "node_x", "node_y") if "node_x" in flow else None
+    difference = difference_at(_stacked(flow, "u", "v"), _stacked(truth, "u", "v"), nodes)
+    if "valid" in flow:
+        difference[~flow["valid"].values.astype(bool)] = np.nan
+    told = None if nodes is None else has_node(nodes)
     for code in np.unique(codes[codes > 0]):
         here = codes == code
-        parts.setdefault(int(code), ErrorTally()).add(difference_u[here], difference_v[here])
+        node_count = None if told is None else int(np.count_nonzero(told & here))
+        parts.setdefault(int(code), ErrorTally()).add(*difference[here].T, node_count=node_count)
+
+
+def _stacked(data: "xr.Dataset", *names: str) -> np.ndarray:
+    return np.stack([data[name].values for name in names], axis=-1)
 
 
 def _summaries(parts: dict[int, ErrorTally]) -> dict[str, ErrorSummary]:

@@ -62,6 +62,8 @@ class Estimator:
         Called with device and threads (None: every core) before `solve`.
     forward_backward : bool
         Whether motion there and back is compared unless a user says otherwise.
+    gridded : bool
+        True if it tells of nodes of a grid, and in its field where they are.
     reversible : bool
         False if it cannot measure from the second picture to the first.
     backward : BackwardSolver, optional
@@ -81,6 +83,7 @@ class Estimator:
     keeps_to_mask: bool = False
     start: Callable[[str, int | None], object] | None = None
     forward_backward: bool = True
+    gridded: bool = False
     reversible: bool = True
     backward: BackwardSolver | None = None
     effective_window: Callable[[Any], float] | None = None

@@ -1,6 +1,6 @@
 """What a flow estimator returns."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -28,6 +28,9 @@ class FlowField:
         One sigma for each component in px, if the method tells it.
     gradient : (H, W, 2, 2) float32 or None
         d(u, v)_i / d(x, y)_j in px/px at [.., i, j], if the method tells it.
+    nodes : (H, W, 2) float32 or None
+        (x, y) in px of the place that a pixel's displacement was measured at, at most half a px from its
+        centre each way; NaN for pixels of which the method does not tell. None: told of all, at the centres.
 
     Raises
     ------
@@ -39,6 +42,7 @@ class FlowField:
     valid: np.ndarray
     uncertainty: np.ndarray | None = None
     gradient: np.ndarray | None = None
+    nodes: np.ndarray | None = None
 
     def __post_init__(self) -> None:
         displacement = np.array(self.displacement, dtype=np.float32)
@@ -48,6 +52,9 @@ class FlowField:
         if np.shape(self.valid) != shape:
             raise FlowError(f"valid: shape {np.shape(self.valid)}: must be {shape}")
         valid = np.asarray(self.valid, dtype=bool) & np.isfinite(displacement).all(axis=2)
+        if self.nodes is not None:
+            object.__setattr__(self, "nodes", _checked_nodes(self.nodes, shape))
+            valid &= np.isfinite(self.nodes).all(axis=2)
         displacement[~valid] = np.nan
         object.__setattr__(self, "displacement", displacement)
         object.__setattr__(self, "valid", valid)
@@ -56,7 +63,18 @@ class FlowField:
 
     def where(self, usable: np.ndarray) -> "FlowField":
         """Return the same field, valid only where `usable` (H, W) bool is true as well."""
-        return FlowField(self.displacement, self.valid & usable, self.uncertainty, self.gradient)
+        return replace(self, valid=self.valid & usable)
+
+
+def _checked_nodes(nodes: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
+    nodes = np.array(nodes, dtype=np.float32)
+    if nodes.shape != (*shape, 2):
+        raise FlowError(f"nodes: shape {nodes.shape}: must be {(*shape, 2)}")
+    y, x = np.indices(shape, dtype=np.float32)
+    off = np.nanmax(np.abs(nodes - np.stack([x, y], axis=2)), initial=0.0)
+    if off > 0.5 + 1e-3:
+        raise FlowError(f"nodes: {off:g} px from their pixel: must lie within half a px of its centre")
+    return nodes
 
 
 def _companion(name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...]):

@@ -36,6 +36,13 @@ def require_number(name: str, value: object, *, above: float, below: float = flo
         raise FlowError(f"{name}: {value!r}: must be a number {span}")
 
 
+def require_finite(name: str, value: object) -> None:
+    """Refuse `value` unless it is a finite number."""
+    number = isinstance(value, int | float) and not isinstance(value, bool)
+    if not (number and abs(value) < float("inf")):  # type: ignore[arg-type]
+        raise FlowError(f"{name}: {value!r}: must be a number")
+
+
 def require_choice(name: str, value: object, allowed: tuple[object, ...]) -> None:
     """Refuse `value` unless it is one of `allowed`."""
     if value not in allowed:

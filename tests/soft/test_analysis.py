@@ -113,6 +113,24 @@ def test_flow_from_files(sequence, tmp_path):
         analyze(sequence, method=f"files:{tmp_path}")
 
 
+def test_vectors_of_a_grid_stay_at_their_nodes(sequence, tmp_path):
+    grids = tmp_path / "grids"
+    grids.mkdir()
+    for k in range(2):
+        (grids / f"{k}.csv").write_text(f"x,y,u,v,flags\n41.3,20,{k + 1},0.5,0\n90,100,3,1,1\n")
+    path = tmp_path / "flow.nc"
+    with analyze(sequence, method=f"files:{grids}", soil="all", path=path) as flow:
+        assert flow["valid"].sum(("y", "x")).values.tolist() == [1, 1]
+        assert flow["u"].values[:, 20, 41].tolist() == [1.0, 2.0]
+        assert flow["node_x"].values[1, 20, 41] == pytest.approx(41.3)
+        assert np.isfinite(flow["node_y"].values).sum() == 4
+        assert json.loads(flow.attrs["options"])["convention"] == "forward"
+    with analyze(sequence, method=f"files:{grids}", options={"y": "up"}, soil="all") as flow:
+        assert flow["v"].values[0, 139, 41] == -0.5
+    with pytest.raises(FlowError, match="pair: is not to be given here"):
+        analyze(sequence, method=f"files:{grids}", options={"pair": 1})
+
+
 def test_bad_requests_fail_before_a_file_is_made(sequence, tmp_path):
     path = tmp_path / "x.nc"
     for keywords, error in (

@@ -17,6 +17,7 @@ from PIL import Image
 
 import soft
 import synth
+from validation.nodes import truth_at
 from validation.run_folder import PARTIAL_PREFIX
 
 WHOLE = {
@@ -292,6 +293,37 @@ def test_flow_from_files(softbed, finished_run, tmp_path):
         json.loads((out / "scores.json").read_text())["methods"][f"files:{flows}"]["strata"]["all"]["p95"]
         < 1e-5
     )
+
+
+def test_flow_from_grids(softbed, finished_run, tmp_path):
+    """A perfect grid between the pixels is perfect, and its shares are of its nodes."""
+    grids = tmp_path / "grids"
+    grids.mkdir()
+    with synth.Footage.open(finished_run / "footage") as footage:
+        truth = footage.truth(0)
+    shape = truth["u"].shape
+    exact = np.stack([truth["u"].values, truth["v"].values], axis=-1)
+    x, y = (
+        a.ravel() for a in np.meshgrid(np.arange(20.25, shape[1] - 20, 12), np.arange(20, shape[0] - 20, 12))
+    )
+    vectors = truth_at(exact, np.stack([x, y], axis=1))
+    rows = np.column_stack([x + 1, y + 1, vectors])
+    np.savetxt(grids / "0.csv", rows, delimiter=",", header="x,y,u,v")
+    (grids / "grid.toml").write_text("origin = 1\n")
+    out = tmp_path / "results"
+    arguments = ["score", finished_run / "footage", "--out", out, "--method", f"files:{grids}"]
+    status, _, error = softbed(*arguments)
+    assert status == 0, error
+    summary = json.loads((out / "scores.json").read_text())["methods"][f"files:{grids}"]["strata"]["all"]
+    assert summary["node_count"] == len(x) == 20
+    assert summary["coverage"] < 0.01 < summary["coverage"] * 12**2
+    assert summary["p95"] < 1e-5
+    assert summary["wrong_share"]["0.3"] < 0.05
+    (grids / "grid.toml").write_text("origin = 5\n")
+    status, _, error = softbed(*arguments)
+    assert "what it depends on has changed" in error
+    table = json.loads((out / "scores.json").read_text())["methods"][f"files:{grids}"]["strata"]["all"]
+    assert table["p95"] > 0.01
 
 
 def test_own_photographs(softbed, finished_run, tmp_path, monkeypatch):
