@@ -554,6 +554,15 @@ def bench(
         list[Path] | None,
         typer.Option(metavar="OUT", help="flow: a run's folder, scored too; may repeat.", show_default=False),
     ] = None,
+    openpiv: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PYTHON",
+            envvar="SOFTBED_OPENPIV",
+            help="flow: the interpreter of an environment that has OpenPIV.",
+            show_default=False,
+        ),
+    ] = None,
     repeats: Annotated[int, typer.Option(min=1, help="Measurements; their median is told.")] = 5,
     threads: Threads = None,
     json: Json = False,
@@ -563,6 +572,8 @@ def bench(
     from validation.bench.dem import GRAIN_COUNTS, bench_dem
     from validation.bench.flow import bench_flow
     from validation.bench.flow_case import analytic_cases, run_cases
+    from validation.bench.flow_contender import Subject, contenders
+    from validation.bench.openpiv import OpenPiv
     from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
 
@@ -571,7 +582,8 @@ def bench(
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
         if name == "flow":
             cases = analytic_cases() + run_cases(run or ())
-            rows = bench_flow(cases, repeats=repeats, threads=workers, progress=progress)
+            subjects: list[Subject] = [*contenders(), OpenPiv(openpiv)]
+            rows = bench_flow(cases, subjects=subjects, repeats=repeats, threads=workers, progress=progress)
         elif name == "render":
             rows = bench_render(repeats=repeats, threads=workers, progress=progress)
         else:

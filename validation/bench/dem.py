@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.bench.lammps import Lammps, PeerError
-from validation.bench.rows import BenchRow
+from validation.bench.lammps import Lammps
+from validation.bench.rows import BenchRow, PeerError
 from validation.versions import package_version
 
 if TYPE_CHECKING:

@@ -16,6 +16,7 @@ import numpy as np
 
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
+from validation.bench.rows import PeerError
 
 _SCRIPT = """\
 units si
@@ -43,10 +44,6 @@ thermo {steps}
 run {warm_up}
 run {steps}
 """
-
-
-class PeerError(RuntimeError):
-    """A peer cannot be run here; the message says why."""
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,10 @@ from validation.versions import machine
 SCHEMA_VERSION = 1
 
 
+class PeerError(RuntimeError):
+    """A peer cannot be run here; the message says why."""
+
+
 @dataclass(frozen=True)
 class BenchRow:
     """One figure.
