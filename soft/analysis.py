@@ -25,7 +25,7 @@ if TYPE_CHECKING:
     import xarray
 
 # Distributions whose version may change a number in the result; OpenCV's is told by the library itself.
-_DISTRIBUTIONS = ("softbed", "numpy", "scikit-learn", "taichi", "xarray", "h5netcdf")
+_DISTRIBUTIONS = ("softbed", "numpy", "scikit-image", "scikit-learn", "taichi", "xarray", "h5netcdf")
 
 SOIL_RIM = 2
 """Px around soil that a method which keeps to a mask measures as well."""

@@ -497,13 +497,19 @@ def _analyze_step(method: Method) -> str:
 def _analyze_key(material: Material, method: Method, soil: str, vertical: bool) -> str:
     return key_of(
         step="analyze",
-        made_by=_made_by("numpy", "opencv-python-headless", "scikit-learn"),
+        made_by=_made_by("numpy", "opencv-python-headless", "scikit-learn", *_needs(method)),
         pictures=material.digest,
         method=method.name,
         files=_flow_files(method),
         soil=soil,
         vertical=vertical,
     )
+
+
+def _needs(method: Method) -> list[str]:
+    from soft.flow import NEEDS
+
+    return [NEEDS[method.name]] if method.name in NEEDS else []
 
 
 def _flow_files(method: Method) -> list[str]:

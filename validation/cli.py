@@ -49,7 +49,7 @@ Methods = Annotated[
     typer.Option(
         "--method",
         metavar="METHOD",
-        help="dis, farneback, package.module:function, or files:FOLDER of .flo; may repeat.",
+        help="robust-affine, dis, farneback, tvl1, ilk, package.module:function or files:FOLDER; may repeat.",
         show_default=False,
     ),
 ]

@@ -5,16 +5,18 @@ from soft.flow.field import FlowError, FlowField
 from soft.flow.files import FlowFiles
 from soft.flow.flo import read_flo, write_flo
 from soft.flow.kitti import read_kitti, write_kitti
-from soft.flow.registry import BUILT_IN, find_estimator
+from soft.flow.registry import BUILT_IN, NEEDS, find_estimator, installed
 
 __all__ = [
     "BUILT_IN",
     "DEFAULT",
+    "NEEDS",
     "FlowError",
     "FlowField",
     "FlowFiles",
     "estimate_flow",
     "find_estimator",
+    "installed",
     "read_flo",
     "read_kitti",
     "resolve_options",

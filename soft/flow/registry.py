@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from importlib import import_module
+from importlib.metadata import PackageNotFoundError, version
 
 from soft.flow.estimator import Estimator
 from soft.flow.field import FlowError
@@ -16,6 +17,22 @@ BUILT_IN = {
     "robust-affine": "soft.flow.robust_affine.estimator",
     "tvl1": "soft.flow.tvl1",
 }
+
+# The distributions that some of them need and an installation may lack.
+NEEDS = {"ilk": "scikit-image", "tvl1": "scikit-image"}
+
+
+def installed() -> list[str]:
+    """Built-in methods that can run here, sorted."""
+    return sorted(name for name in BUILT_IN if name not in NEEDS or _is_installed(NEEDS[name]))
+
+
+def _is_installed(distribution: str) -> bool:
+    try:
+        version(distribution)
+    except PackageNotFoundError:
+        return False
+    return True
 
 
 def find_estimator(method: str | Callable) -> Estimator:

@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from soft.flow import BUILT_IN
+from soft.flow import installed
 from synth.scene import PlateScene, Scene, SoilBinScene, load_scene, parse_scene
 from validation.metrics import ErrorSummary
 from validation.studies.picture_errors import WRONG, picture_errors
@@ -70,7 +70,7 @@ class NuisanceSweep(Study):
     @property
     def inputs(self) -> Mapping[str, Any]:
         """Findings depend on the estimators there are, and on the severities."""
-        return {"methods": sorted(BUILT_IN), "severities": SEVERITIES}
+        return {"methods": installed(), "severities": SEVERITIES}
 
     def find(self, runs: Sequence[Run]) -> Findings:
         """Errors of every estimator in the clean pictures and in the disturbed ones."""
@@ -119,7 +119,7 @@ def _rows(name: str, clean: Scene, recording: "Recording", strata: Sequence[str]
     rows: list[Row] = []
     for nuisance, severity in _levels(clean):
         scene = clean if nuisance == CLEAN else disturbed(clean, {nuisance: severity})
-        errors = picture_errors(recording, scene, sorted(BUILT_IN), pair_count=_PAIRS)
+        errors = picture_errors(recording, scene, installed(), pair_count=_PAIRS)
         for method, summaries in errors.items():
             told: Row = {"scene": name, "nuisance": nuisance, "severity": severity, "method": method}
             rows += [{**told, "stratum": stratum, **error_columns(summaries[stratum])} for stratum in strata]

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
-from soft.flow import BUILT_IN
+from soft.flow import installed
 from synth.scene import SoilBinScene
 from validation.studies.nuisance import error_columns
 from validation.studies.picture_errors import picture_errors
@@ -51,7 +51,7 @@ class TextureMotion(Study):
     @property
     def inputs(self) -> Mapping[str, Any]:
         """Findings depend on the estimators there are."""
-        return {"methods": sorted(BUILT_IN)}
+        return {"methods": installed()}
 
     def find(self, runs: Sequence[Run]) -> Findings:
         """Errors of every estimator in complex flow, of either texture."""
@@ -97,7 +97,7 @@ STUDY = TextureMotion()
 
 def _rows(scene: SoilBinScene, recording: Any) -> list[Row]:
     diameter = scene.bed.grain_diameter
-    errors = picture_errors(recording, scene, sorted(BUILT_IN), pair_count=_PAIRS)
+    errors = picture_errors(recording, scene, installed(), pair_count=_PAIRS)
     return [
         {
             "grain_diameter": 1000 * diameter,

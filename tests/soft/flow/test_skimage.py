@@ -6,7 +6,7 @@ import sys
 import numpy as np
 import pytest
 
-from soft.flow import estimate_flow
+from soft.flow import BUILT_IN, NEEDS, estimate_flow, installed, registry
 from soft.flow.skimage import to_displacement
 
 
@@ -41,3 +41,9 @@ def test_where_it_is_missing_the_message_says_how_to_get_it(method):
     said = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True).stdout
     assert said.startswith(f"method '{method}' needs scikit-image")
     assert "pip install 'softbed[skimage]'" in said and said.count("\n") == 1
+
+
+def test_what_is_installed(monkeypatch):
+    assert installed() == sorted(BUILT_IN)
+    monkeypatch.setattr(registry, "NEEDS", dict.fromkeys(NEEDS, "no-such-distribution"))
+    assert installed() == sorted(set(BUILT_IN) - {"ilk", "tvl1"})
