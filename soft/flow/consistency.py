@@ -8,7 +8,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from soft.flow.field import FlowError
+from soft.flow.field import FlowError, known
 from soft.flow.options import require_number
 
 _SHARE, _SLACK = 0.01, 0.5
@@ -72,13 +72,15 @@ def read_back(forward: np.ndarray, backward: np.ndarray) -> np.ndarray:
     """
     import cv2
 
-    known = np.isfinite(backward).all(axis=2)
-    filled = np.where(known[:, :, None], backward, 0).astype(np.float32)
+    told = known(backward)
+    filled = np.nan_to_num(backward.astype(np.float32))
+    filled[~told] = 0
     x, y = landing(forward)
     values = cv2.remap(filled, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    weight = cv2.remap(known.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    enough = (weight >= 0.5) & np.isfinite(forward).all(axis=2)
-    return np.where(enough[:, :, None], values / np.maximum(weight, 0.5)[:, :, None], np.nan)
+    weight = cv2.remap(told.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
+    values /= np.maximum(weight, 0.5)[:, :, None]
+    values[(weight < 0.5) | ~known(forward)] = np.nan
+    return values
 
 
 def landing(forward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -102,4 +104,4 @@ def landed(forward: np.ndarray) -> np.ndarray:
 
 
 def _squared(vectors: np.ndarray) -> np.ndarray:
-    return np.square(vectors).sum(axis=2)
+    return vectors[:, :, 0] ** 2 + vectors[:, :, 1] ** 2

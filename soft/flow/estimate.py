@@ -7,7 +7,7 @@ import numpy as np
 
 from soft.flow.consistency import Check, landed, landing, read_back
 from soft.flow.estimator import Estimator
-from soft.flow.field import FlowError, FlowField
+from soft.flow.field import FlowError, FlowField, known
 from soft.flow.opencv import opencv_threads
 from soft.flow.options import require_flag
 from soft.flow.plain_uncertainty import plain_uncertainty
@@ -139,7 +139,7 @@ def lands_on(region: np.ndarray, displacement: np.ndarray) -> np.ndarray:
 
     x, y = landing(displacement)
     share = cv2.remap(region.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return (share > 0) & np.isfinite(displacement).all(axis=2)
+    return (share > 0) & known(displacement)
 
 
 def _check(estimator: Estimator, wish: bool | float | None) -> Check | None:

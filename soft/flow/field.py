@@ -51,10 +51,10 @@ class FlowField:
         shape = displacement.shape[:2]
         if np.shape(self.valid) != shape:
             raise FlowError(f"valid: shape {np.shape(self.valid)}: must be {shape}")
-        valid = np.asarray(self.valid, dtype=bool) & np.isfinite(displacement).all(axis=2)
+        valid = np.asarray(self.valid, dtype=bool) & known(displacement)
         if self.nodes is not None:
             object.__setattr__(self, "nodes", _checked_nodes(self.nodes, shape))
-            valid &= np.isfinite(self.nodes).all(axis=2)
+            valid &= known(self.nodes)
         displacement[~valid] = np.nan
         object.__setattr__(self, "displacement", displacement)
         object.__setattr__(self, "valid", valid)
@@ -64,6 +64,11 @@ class FlowField:
     def where(self, usable: np.ndarray) -> "FlowField":
         """Return the same field, valid only where `usable` (H, W) bool is true as well."""
         return replace(self, valid=self.valid & usable)
+
+
+def known(vectors: np.ndarray) -> np.ndarray:
+    """Tell where both components of vectors (.., 2) are finite; several times as fast as `all(axis=-1)`."""
+    return np.isfinite(vectors[..., 0]) & np.isfinite(vectors[..., 1])
 
 
 def _checked_nodes(nodes: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:

@@ -15,6 +15,7 @@ small as a rule, and at breaks of the motion by far.
 import numpy as np
 
 from soft.flow.consistency import landing
+from soft.flow.field import known
 
 _LEAST_SHARE = 1e-4
 """The smaller eigenvalue of the structure tensor is taken to be at least this share of the larger one."""
@@ -42,38 +43,51 @@ def plain_uncertainty(
         Side of the square that the method averages over, in effect, px.
     """
     side = max(3, round(window) | 1)
-    known = np.isfinite(forward).all(axis=2)
-    variance = _by_noise(first, second, forward, known, side) * (side / window) ** 2
+    told = known(forward)
+    average = _Average(told, side)
+    variances = [v * (side / window) ** 2 for v in _by_noise(first, second, forward, told, average)]
     if back is not None:
-        missed = np.square(forward + back) / 2
-        both = np.isfinite(missed).all(axis=2)
-        variance = np.maximum(variance, _averaged(np.where(both[:, :, None], missed, 0), both, side))
-    return np.where(known[:, :, None], np.sqrt(variance), np.nan).astype(np.float32)
+        missed = forward + back
+        both = known(missed)
+        there_and_back = _Average(both, side)
+        variances = [np.maximum(v, there_and_back(missed[:, :, k] ** 2) / 2) for k, v in enumerate(variances)]
+    sigma = np.sqrt(np.stack(variances, axis=-1), dtype=np.float32)
+    sigma[~told] = np.nan
+    return sigma
 
 
 def _by_noise(
-    first: np.ndarray, second: np.ndarray, forward: np.ndarray, known: np.ndarray, side: int
-) -> np.ndarray:
-    """Variance of u and of v fitted in a square of `side` px, (H, W, 2) px^2."""
+    first: np.ndarray, second: np.ndarray, forward: np.ndarray, told: np.ndarray, average: "_Average"
+) -> tuple[np.ndarray, np.ndarray]:
+    """Variance of u and of v fitted in a square, (H, W) px^2 each."""
     import cv2
 
     warped = cv2.remap(second, *landing(forward), cv2.INTER_CUBIC, borderMode=cv2.BORDER_REPLICATE)
-    residual = np.where(known, warped - first, 0)
-    slopes = [cv2.Sobel(first, cv2.CV_32F, dx, 1 - dx, ksize=1, scale=0.5) for dx in (1, 0)]
-    jx, jy = (np.where(known, slope, 0) for slope in slopes)
-    sums = _averaged(np.stack([jx * jx, jx * jy, jy * jy, residual, residual**2], axis=2), known, side)
-    xx, xy, yy, mean, square = np.moveaxis(sums, 2, 0)
-    floor = _LEAST_SHARE * (xx + yy) + np.finfo(np.float32).tiny
-    determinant = np.maximum(xx * yy - xy * xy, floor * (xx + yy) + np.finfo(np.float32).tiny)
-    count = side * side
-    noise = np.maximum(square - mean * mean, 0) / count
-    return np.stack([noise * yy / determinant, noise * xx / determinant], axis=2)
+    residual = warped - first
+    jx, jy = (cv2.Sobel(first, cv2.CV_32F, dx, 1 - dx, ksize=1, scale=0.5) for dx in (1, 0))
+    xx, xy, yy = average(jx * jx), average(jx * jy), average(jy * jy)
+    noise = np.maximum(average(residual**2) - average(residual) ** 2, 0) / average.count
+    trace = xx + yy + np.finfo(np.float32).tiny
+    determinant = np.maximum(xx * yy - xy * xy, _LEAST_SHARE * trace * trace)
+    noise /= np.maximum(determinant, np.finfo(np.float32).tiny)
+    return noise * yy, noise * xx
 
 
-def _averaged(values: np.ndarray, known: np.ndarray, side: int) -> np.ndarray:
-    """Mean over the known pixels of a square around each one; `values` is 0 where not known."""
-    import cv2
+class _Average:
+    """Mean over those pixels of a square around each one that count; what does not is set to 0 in place."""
 
-    total = cv2.boxFilter(values.astype(np.float32), -1, (side, side), borderType=cv2.BORDER_CONSTANT)
-    share = cv2.boxFilter(known.astype(np.float32), -1, (side, side), borderType=cv2.BORDER_CONSTANT)
-    return total / np.maximum(share, 0.5 / (side * side))[:, :, None]
+    def __init__(self, counting: np.ndarray, side: int) -> None:
+        self.count = side * side
+        self._side = side
+        self._out = ~counting
+        # Kept above zero where nothing in a square counts.
+        self._share = np.maximum(self._boxed(counting.astype(np.float32)), 0.5 / self.count)
+
+    def __call__(self, values: np.ndarray) -> np.ndarray:
+        values[self._out] = 0
+        return self._boxed(values) / self._share
+
+    def _boxed(self, values: np.ndarray) -> np.ndarray:
+        import cv2
+
+        return cv2.boxFilter(values, cv2.CV_32F, (self._side, self._side), borderType=cv2.BORDER_CONSTANT)
