@@ -84,12 +84,13 @@ def draw_error(measured: Measured, picture: np.ndarray) -> "Figure":
     _show_faint(axes, picture)
     low, high = _ERROR_RANGE
     image = axes.imshow(
-        measured.error.clip(low, None),
+        measured.shown(measured.error).clip(low, None),
         cmap=cm.lajolla_r,
         norm=LogNorm(low, high),
     )
     if measured.missed.any():
-        axes.imshow(np.where(measured.missed, 1.0, np.nan), cmap=ListedColormap([_MISSED]))
+        missed = measured.shown(np.where(measured.missed, 1.0, np.nan))
+        axes.imshow(missed, cmap=ListedColormap([_MISSED]))
     bar = _colour_bar(figure, axes, image, "end-point error [px]", extend="both")
     bar.set_ticks([0.03, 0.1, 0.3, 1, 3], labels=["0.03", "0.1", "0.3", "1", "3"])
     return figure

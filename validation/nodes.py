@@ -6,7 +6,12 @@ these move alike, else (at a break of the motion, at soil's edge) from the neare
 made up that nothing has.
 """
 
+from typing import TYPE_CHECKING
+
 import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
 
 _ALIKE = 0.1
 """Motions of the four pixels around a node differ by at most this much to count as alike, px."""
@@ -29,6 +34,11 @@ def difference_at(displacement: np.ndarray, truth: np.ndarray, nodes: np.ndarray
     held = has_node(nodes)
     difference[held] = displacement[held] - truth_at(truth, nodes[held])
     return difference
+
+
+def stacked(data: "xr.Dataset", *names: str) -> np.ndarray:
+    """Variables (H, W) as one array (H, W, N)."""
+    return np.stack([data[name].values for name in names], axis=-1)
 
 
 def has_node(nodes: np.ndarray) -> np.ndarray:

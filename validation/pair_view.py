@@ -7,7 +7,11 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.metrics import end_point_error
+from validation.nodes import difference_at, has_node, stacked
 from validation.strata import find_strata
+
+_DOT = 7
+"""Side of the square that a grid's node is shown as, px."""
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -58,12 +62,19 @@ class Measured:
         True soil that was not measured.
     camera_u : float
         Horizontal displacement by the camera's own motion, as the analysis found it, px.
+    gridded : bool
+        Whether it tells of a grid's nodes only: of other pixels, nothing is missed.
     """
 
     motion: Motion
     error: np.ndarray
     missed: np.ndarray
     camera_u: float
+    gridded: bool = False
+
+    def shown(self, values: np.ndarray) -> np.ndarray:
+        """Values (H, W) as a figure shows them: a grid's nodes as dots, since pixels are hardly seen."""
+        return _dots(values) if self.gridded else values
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,12 +126,22 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
 
 def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:
     said = flow["soil"].values.astype(bool) & flow["valid"].values.astype(bool)
-    motion = Motion(
-        np.where(said, flow["inertial_u"].values, np.nan), np.where(said, flow["inertial_v"].values, np.nan)
-    )
+    u, v = (np.where(said, flow[name].values, np.nan) for name in ("inertial_u", "inertial_v"))
     judged = here & flow["valid"].values.astype(bool)
-    error = end_point_error(
-        flow["u"].values - truth["u"].values.astype(float), flow["v"].values - truth["v"].values.astype(float)
+    nodes = stacked(flow, "node_x", "node_y") if "node_x" in flow else None
+    difference = difference_at(stacked(flow, "u", "v"), stacked(truth, "u", "v").astype(float), nodes)
+    error = np.where(judged, end_point_error(difference[..., 0], difference[..., 1]), np.nan)
+    told = here if nodes is None else here & has_node(nodes)
+    motion = Motion(u, v) if nodes is None else Motion(_dots(u), _dots(v))
+    missed = told & ~np.isfinite(error)
+    return Measured(motion, error, missed, float(flow["camera_u"]), gridded=nodes is not None)
+
+
+def _dots(values: np.ndarray) -> np.ndarray:
+    """Make of each pixel that is not NaN a square of `_DOT` px."""
+    from scipy.ndimage import distance_transform_cdt
+
+    distance, (row, column) = distance_transform_cdt(
+        np.isnan(values), metric="chessboard", return_indices=True
     )
-    error = np.where(judged, error, np.nan)
-    return Measured(motion, error, here & ~np.isfinite(error), float(flow["camera_u"]))
+    return np.where(distance <= _DOT // 2, values[row, column], np.nan)

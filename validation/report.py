@@ -215,6 +215,7 @@ def _truth_panels(view: PairView) -> list[Panel]:
 def _method_panels(view: PairView, name: str, top: float, published: Mapping[str, float]) -> list[Panel]:
     measured = view.measured[name]
     missed = " Soil that was not measured is magenta." if measured.missed.any() else ""
+    where = "at every node of the grid, shown as dots" if measured.gridded else "of every true soil pixel"
     return [
         _panel(
             "Measured speed",
@@ -229,7 +230,7 @@ def _method_panels(view: PairView, name: str, top: float, published: Mapping[str
         ),
         _panel(
             "Error",
-            f"Distance between the measured and the true displacement of every true soil pixel.{missed}",
+            f"Distance between the measured and the true displacement {where}.{missed}",
             draw_error(measured, view.picture),
         ),
         _panel(

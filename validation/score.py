@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.metrics import ErrorSummary, ErrorTally
-from validation.nodes import difference_at, has_node
+from validation.nodes import difference_at, has_node, stacked
 from validation.strata import STRATA, find_strata
 
 if TYPE_CHECKING:
@@ -167,8 +167,8 @@ def _membership(masks: dict[str, np.ndarray]) -> np.ndarray:
 def _add_pair(
     parts: dict[int, ErrorTally], codes: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset"
 ) -> None:
-    nodes = _stacked(flow, "node_x", "node_y") if "node_x" in flow else None
-    difference = difference_at(_stacked(flow, "u", "v"), _stacked(truth, "u", "v"), nodes)
+    nodes = stacked(flow, "node_x", "node_y") if "node_x" in flow else None
+    difference = difference_at(stacked(flow, "u", "v"), stacked(truth, "u", "v"), nodes)
     if "valid" in flow:
         difference[~flow["valid"].values.astype(bool)] = np.nan
     told = None if nodes is None else has_node(nodes)
@@ -176,10 +176,6 @@ def _add_pair(
         here = codes == code
         node_count = None if told is None else int(np.count_nonzero(told & here))
         parts.setdefault(int(code), ErrorTally()).add(*difference[here].T, node_count=node_count)
-
-
-def _stacked(data: "xr.Dataset", *names: str) -> np.ndarray:
-    return np.stack([data[name].values for name in names], axis=-1)
 
 
 def _summaries(parts: dict[int, ErrorTally]) -> dict[str, ErrorSummary]:

@@ -56,3 +56,18 @@ def test_shares_are_of_nodes_and_coverage_is_of_pixels():
     assert summary.median == pytest.approx(0.5)
     assert "node_count" not in ErrorTally.summary([ErrorTally()]).to_dict()
     assert summary.to_dict()["node_count"] == 4
+
+
+def test_a_node_is_shown_as_a_dot():
+    from validation.pair_view import Measured, Motion
+
+    error = np.full(SHAPE, np.nan)
+    error[10, 12] = 0.7
+    none = np.zeros(SHAPE)
+    grid, dense = (
+        Measured(Motion(none, none), error, none > 0, 0.0, gridded=gridded) for gridded in (True, False)
+    )
+    shown = grid.shown(error)
+    assert np.argwhere(np.isfinite(shown))[[0, -1]].tolist() == [[7, 9], [13, 15]]
+    assert np.nanmin(shown) == np.nanmax(shown) == 0.7
+    assert dense.shown(error) is error
