@@ -563,6 +563,20 @@ def bench(
             show_default=False,
         ),
     ] = None,
+    photograph: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="flow: a photograph of soil, to be moved by formulas; else one in $SOFTBED_DATA.",
+            show_default=False,
+        ),
+    ] = None,
+    limits: Annotated[
+        bool,
+        typer.Option(
+            "--limits", help="flow: also what no method can do better: Cramér-Rao bounds, floors of runs."
+        ),
+    ] = False,
     repeats: Annotated[int, typer.Option(min=1, help="Measurements; their median is told.")] = 5,
     threads: Threads = None,
     json: Json = False,
@@ -573,7 +587,9 @@ def bench(
     from validation.bench.flow import bench_flow
     from validation.bench.flow_case import analytic_cases, run_cases
     from validation.bench.flow_contender import Subject, contenders
+    from validation.bench.limits import bench_limits
     from validation.bench.openpiv import OpenPiv
+    from validation.bench.photograph import photograph_cases
     from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
 
@@ -581,9 +597,10 @@ def bench(
     workers = threads or os.cpu_count() or 1
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
         if name == "flow":
-            cases = analytic_cases() + run_cases(run or ())
+            cases = analytic_cases() + photograph_cases(photograph) + run_cases(run or ())
             subjects: list[Subject] = [*contenders(), OpenPiv(openpiv)]
             rows = bench_flow(cases, subjects=subjects, repeats=repeats, threads=workers, progress=progress)
+            rows += bench_limits(rows, run or (), threads=workers, progress=progress) if limits else []
         elif name == "render":
             rows = bench_render(repeats=repeats, threads=workers, progress=progress)
         else:
