@@ -563,6 +563,15 @@ def bench(
             show_default=False,
         ),
     ] = None,
+    pyvale: Annotated[
+        str | None,
+        typer.Option(
+            metavar="PYTHON",
+            envvar="SOFTBED_PYVALE",
+            help="flow: the interpreter of an environment that has pyvale.",
+            show_default=False,
+        ),
+    ] = None,
     photograph: Annotated[
         Path | None,
         typer.Option(
@@ -592,13 +601,14 @@ def bench(
     from validation.bench.photograph import photograph_cases
     from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
+    from validation.bench.subset_dic import SubsetDic
 
     terminal = Terminal(json=json)
     workers = threads or os.cpu_count() or 1
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
         if name == "flow":
             cases = analytic_cases() + photograph_cases(photograph) + run_cases(run or ())
-            subjects: list[Subject] = [*contenders(), OpenPiv(openpiv)]
+            subjects: list[Subject] = [*contenders(), OpenPiv(openpiv), SubsetDic(pyvale)]
             rows = bench_flow(cases, subjects=subjects, repeats=repeats, threads=workers, progress=progress)
             rows += bench_limits(rows, run or (), threads=workers, progress=progress) if limits else []
         elif name == "render":

@@ -4,21 +4,14 @@ The interpreter of an environment with it (``pip install openpiv``, best alone) 
 or by SOFTBED_OPENPIV.
 """
 
-import os
-import subprocess
-import tempfile
 from dataclasses import dataclass
 from pathlib import Path
 
-import numpy as np
-
 from validation.bench.flow_case import Case
 from validation.bench.flow_contender import Answer
-from validation.bench.rows import PeerError
+from validation.bench.peer_process import ask
 
 _SCRIPT = Path(__file__).with_name("openpiv_script.py")
-_LONGEST = 600.0
-"""s a pair, after which it is given up."""
 
 
 @dataclass(frozen=True)
@@ -48,36 +41,10 @@ class OpenPiv:
         """
         from soft.flow.grid import Grid, GridConventions, to_field
 
-        told = self._run(case, threads)
+        told = ask(self.python, _SCRIPT, case, threads, option="--openpiv", variable="SOFTBED_OPENPIV")
         x, y, u, v, flags = (told[name].astype(float).ravel() for name in ("x", "y", "u", "v", "flags"))
         grid = Grid(x, y, u, v, flags == 0)
         conventions = GridConventions(convention="midpoint", y="mirrored")
         shape = (case.first.shape[0], case.first.shape[1])
         flow = to_field(grid, conventions, shape, name=self.name)
         return Answer(flow, float(told["seconds"]), str(told["version"]))
-
-    def _run(self, case: Case, threads: int | None) -> dict[str, np.ndarray]:
-        if self.python is None:
-            raise PeerError("no interpreter with it is named (--openpiv PYTHON, or SOFTBED_OPENPIV)")
-        with tempfile.TemporaryDirectory() as name:
-            paths = [Path(name) / file for file in ("first.npy", "second.npy", "grid.npz")]
-            for path, picture in zip(paths, (case.first, case.second), strict=False):
-                np.save(path, picture)
-            command = [self.python, "-I", str(_SCRIPT), *map(str, paths)]
-            count = {} if threads is None else {"OMP_NUM_THREADS": str(threads)}
-            try:
-                done = subprocess.run(
-                    command,
-                    env=os.environ | count,
-                    capture_output=True,
-                    text=True,
-                    timeout=_LONGEST,
-                    check=False,
-                )
-            except (OSError, subprocess.TimeoutExpired) as error:
-                raise PeerError(f"{self.python}: {error}") from error
-            if done.returncode != 0:
-                words = done.stderr.strip().splitlines() or ["no word of why"]
-                raise PeerError(f"{self.python}: {words[-1]}")
-            with np.load(paths[-1]) as grid:
-                return dict(grid)
