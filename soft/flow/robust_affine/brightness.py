@@ -67,7 +67,7 @@ class PicturePair:
         gain = _gain(self.first[:, :, 0], warped[:, :, 0], self.usable * warped[:, :, 3], self.step)
         values = np.empty((*self.shape, 7), np.float32)
         kernels.constrain(self.first, warped, gain, models, self.usable, self.step, values)
-        return Constraints(values, gain, warped[:, :, 1:3])
+        return Constraints(values, gain, warped[:, :, 1:3], self.step)
 
     def constrain_again(
         self, constraints: "Constraints", models: np.ndarray, places: np.ndarray
@@ -79,7 +79,7 @@ class PicturePair:
         kernels.constrain_places(
             places, self.coefficients, self.first, constraints.gain, models, self.usable, values
         )
-        return Constraints(values, constraints.gain, constraints.slopes)
+        return replace(constraints, values=values)
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,11 +95,14 @@ class Constraints:
         Factor and offset of the second picture.
     slopes : (H, W, 2) float32
         Of the warped second picture, before the factor.
+    step : int
+        From pixel to pixel, px.
     """
 
     values: np.ndarray
     gain: np.ndarray
     slopes: np.ndarray
+    step: int
 
     def noise(self) -> float:
         """Standard deviation of the residuals, grey levels, from their median: outliers do not count."""

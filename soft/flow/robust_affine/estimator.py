@@ -4,11 +4,13 @@ From a coarse field on (dense inverse search, which bridges large motions), ever
 is made linear around its own present motion, and affine motions are fitted to the equations (the paper's Eq.
 3 and 4), weighted by a Lorentzian (Eq. 5) that narrows (graduated non-convexity):
 
-1. in windows of one size (`windows.fit`), then of several, of which each pixel takes the largest it can bear
-   (`windows.choose`), both on every second pixel's equation; the preset `fast` ends here;
-2. again in windows of several sizes, on all equations, the pictures warped anew;
+1. in windows of one size (`windows.fit`), on every second pixel's equation;
+2. in windows of several sizes, of which each pixel takes the largest it can bear (`windows.choose`), on all
+   equations, the pictures warped anew;
 3. where these disagree, motion may break off: models are handed on and windows cut (`edges.mend`);
 4. where only small windows were borne, once more on the pictures warped anew, for what is left.
+
+The preset `fast` is the second step alone, with fewer windows, on every second pixel's equation.
 """
 
 from dataclasses import asdict, dataclass, replace
@@ -24,32 +26,27 @@ from soft.flow.robust_affine.edges import mend
 from soft.flow.robust_affine.rim import DOUBTFUL, MARGIN, carried_outwards, join, shrunk
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation
-from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated
+from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated, spread
 from soft.masks import grown
 
 PRESETS = ("accurate", "fast")
 _THIN = 2
-"""The first rounds, and `fast` all through, take every second pixel's equation each way."""
-_FIRST = Window(2.0, 1)
-"""Of the first round, in units of `_THIN` px."""
+"""The first round, and `fast`, take every second pixel's equation each way; windows are chosen there."""
+_FIRST = (Window(4.0, 2), Window(6.0, 4), Window(9.0, 4))
+"""Of the first round: the smallest whose motions noise leaves steady."""
+_STEADY = 0.05
+"""Px, as the median of their standard deviations."""
 _WIDE, _NARROW = 3.0, 2.0
 """Widths of the Lorentzian, first and then, in standard deviations of the pictures' noise."""
-_THIN_WINDOWS = (Window(1.25, 1), Window(4.0, 4), Window(12.0, 12))
-"""In units of `_THIN` px."""
-_WINDOWS = (
-    Window(2.5, 2),
-    Window(4.0, 2),
-    Window(7.0, 4, thin=2),
-    Window(12.0, 6, thin=2),
-    Window(20.0, 10, thin=2),
-)
+_FEW_WINDOWS = (Window(4.0, 4), Window(8.0, 8), Window(24.0, 24))
+_WINDOWS = (Window(2.5, 2), Window(4.0, 2), Window(7.0, 4), Window(12.0, 4), Window(20.0, 8))
 _CURVE = Window(4.0, 2)
 """In which, where motion is curved, what is left is fitted once more."""
 _JUMP = 0.15
 """Where windows' fits are further apart than this, motion may break off nearby, px."""
 _AROUND = 6
 """So far around it models are mended, px."""
-_CURVED = 2
+_CURVED = 3
 """Up to this one there is something left to fit once more."""
 _SLOPE_NOISE = 1.2
 """Factor on the variance by noise, for what interpolation adds: measured on `sand_rotation`, seed 101."""
@@ -86,25 +83,34 @@ def _solve(
     options = options.resolved
     pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
     thin, trusted = pair.thinned(_THIN), pair.only(shrunk(mask, DOUBTFUL)).thinned(_THIN)
-    coarse = np.ascontiguousarray(seed(first, second, options.preset)[::_THIN, ::_THIN])
-    thin, models = join(thin, trusted, _approached(trusted, coarse))
-    chosen = _chosen(thin, models, _THIN_WINDOWS, options).widened(_THIN, pair.shape)
-    trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | shrunk(mask, DOUBTFUL))
+    coarse = np.ascontiguousarray(seed(first, second)[::_THIN, ::_THIN])
     if options.preset == "accurate":
-        pair, models = join(pair, trusted, chosen.models)
+        thin, models = join(thin, trusted, _approached(trusted, coarse))
+        trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | shrunk(mask, DOUBTFUL))
+        pair, models = join(pair, trusted, spread(models, _THIN, pair.shape))
         chosen = _chosen(pair, models, _WINDOWS, options)
+    else:
+        thin, models = join(thin, trusted, coarse)
+        chosen = _chosen(thin, models, _FEW_WINDOWS, options)
+    models = chosen.spread(pair.shape)
     if options.edges:
-        chosen = _mended(pair, chosen)
-    chosen = replace(chosen, models=carried_outwards(chosen.models, pair.usable > 0, mask))
-    models = chosen.models
+        models = _mended(pair, models, chosen)
+    models = carried_outwards(models, pair.usable > 0, mask)
+    chosen = replace(chosen, models=models[::_THIN, ::_THIN])
     gradient = np.stack([models[:, :, 1:3], models[:, :, 4:6]], axis=2)
-    return FlowField(models[:, :, ::3], mask, standard_deviation(chosen), gradient)
+    sigma = repeated(standard_deviation(chosen), _THIN, pair.shape)
+    return FlowField(models[:, :, ::3], mask, sigma, gradient)
 
 
 def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:
     constraints = pair.constrain(models)
-    products = Products.of(constraints, constraints.noise(), _WIDE)
-    return fit(products, _FIRST, models).models(pair.shape)
+    noise = constraints.noise()
+    products = Products.of(constraints, noise, _WIDE)
+    for window in _FIRST:
+        found = fit(products, window, models)
+        if np.median(found.variance(noise)) < _STEADY**2:
+            break
+    return found.models(pair.shape, pair.step)
 
 
 def _chosen(
@@ -113,17 +119,20 @@ def _chosen(
     constraints = pair.constrain(models)
     noise = constraints.noise()
     products = Products.of(constraints, noise, _NARROW)
+    if products.step < _THIN:
+        products, models = products.gathered(), models[::_THIN, ::_THIN]
     inflated = noise * float(np.sqrt(_SLOPE_NOISE * constraints.slope_noise(pair.first)))
     return choose(products, windows, models, noise=inflated, confidence=options.confidence)
 
 
-def _mended(pair: PicturePair, chosen: Chosen) -> Chosen:
-    broken = grown(chosen.jump > _JUMP, _AROUND) & (pair.usable > 0)
-    models, constraints = mend(pair, chosen.models, pair.constrain(chosen.models), broken)
-    products = Products.of(constraints, constraints.noise(), _NARROW, rest=True)
-    rest = fit(products, _CURVE, np.zeros_like(models)).models(pair.shape)
-    rest[chosen.level > _CURVED] = 0
-    return replace(chosen, models=models + rest)
+def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray:
+    jump, level = (repeated(values, _THIN, pair.shape) for values in (chosen.jump, chosen.level))
+    broken = grown(jump > _JUMP, _AROUND) & (pair.usable > 0)
+    models, constraints = mend(pair, models, pair.constrain(models), broken)
+    products = Products.of(constraints, constraints.noise(), _NARROW, rest=True).gathered()
+    rest = fit(products, _CURVE).models(pair.shape, 1)
+    rest[level > _CURVED] = 0
+    return models + rest
 
 
 def _resolved(options: RobustAffineOptions) -> dict[str, object]:

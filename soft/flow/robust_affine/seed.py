@@ -10,42 +10,49 @@ import numpy as np
 from soft.flow.opencv import to_8bit
 
 _PATCH = 8
-_FINEST = {"accurate": 1, "fast": 2}
+_FINEST = 1
 """Level of the pyramid on which the search ends: 1 = half resolution."""
-_LARGE = 4.0
+_LARGE = 8.0
 """A common shift beyond this is worth a second search, px."""
+_CLEAR = 0.3
+"""Height of the phase correlation's peak from which on most of the picture shares a shift."""
 _BOX = 15
 """Side of the box over which grey levels are compared, px."""
 
 
-def seed(first: np.ndarray, second: np.ndarray, preset: str) -> np.ndarray:
+def seed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     """Models (H, W, 6) of motion without gradients; zero on pictures too small for a pyramid."""
     models = np.zeros((*first.shape, 6), np.float32)
-    if min(first.shape) >= _PATCH * 2 ** (_FINEST[preset] + 1):
-        models[:, :, ::3] = _searched(to_8bit(first), to_8bit(second), preset)
+    if min(first.shape) >= _PATCH * 2 ** (_FINEST + 1):
+        models[:, :, ::3] = _searched(to_8bit(first), to_8bit(second))
     return models
 
 
-def _searched(first: np.ndarray, second: np.ndarray, preset: str) -> np.ndarray:
-    import cv2
-
-    (shift_x, shift_y), _ = cv2.phaseCorrelate(first.astype(np.float32), second.astype(np.float32))
-    found = _search(first, second, preset)
-    if np.hypot(shift_x, shift_y) <= _LARGE:
+def _searched(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    found, shift = _search(first, second), _common_shift(first, second)
+    if np.hypot(*shift) <= _LARGE:
         return found
-    shift = np.rint([shift_x, shift_y]).astype(np.float32)
-    other = _search(first, _moved(second, shift), preset) + shift
+    other = _search(first, _moved(second, shift)) + shift
     better = _mismatch(first, second, other) < _mismatch(first, second, found)
     return np.where(better[:, :, None], other, found)
 
 
-def _search(first: np.ndarray, second: np.ndarray, preset: str) -> np.ndarray:
+def _common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    """Whole px (x, y) that most of the picture moves by; zero where no motion is shared."""
     import cv2
 
-    solver = cv2.DISOpticalFlow.create(
-        cv2.DISOPTICAL_FLOW_PRESET_MEDIUM if preset == "accurate" else cv2.DISOPTICAL_FLOW_PRESET_FAST
-    )
-    solver.setFinestScale(_FINEST[preset])
+    half = [
+        cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for picture in (first, second)
+    ]
+    shift, peak = cv2.phaseCorrelate(*(picture.astype(np.float32) for picture in half))
+    return np.rint(2 * np.array(shift) if peak > _CLEAR else np.zeros(2)).astype(np.float32)
+
+
+def _search(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+    import cv2
+
+    solver = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
+    solver.setFinestScale(_FINEST)
     return solver.calc(first, second, None)  # type: ignore[call-overload, no-any-return]
 
 

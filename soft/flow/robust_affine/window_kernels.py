@@ -49,8 +49,11 @@ def multiply(
 
 
 @ti.func
-def blended(at_nodes: ti.template(), stride, row, column):
-    """A pixel's model: those of the four nodes around it, carried to it and blended."""
+def blended(at_nodes: ti.template(), stride, row, column, step):
+    """A place's model: those of the four nodes around it, carried to it and blended.
+
+    Places are `step` px apart, nodes `stride` places.
+    """
     line, node = row // stride, column // stride
     below, beside = ti.min(line + 1, at_nodes.shape[0] - 1), ti.min(node + 1, at_nodes.shape[1] - 1)
     fx = ti.cast(column - node * stride, ti.f32) / stride
@@ -59,7 +62,7 @@ def blended(at_nodes: ti.template(), stride, row, column):
     for j, i in ti.static(ti.ndrange(2, 2)):
         r, n = (below if ti.static(j == 1) else line), (beside if ti.static(i == 1) else node)
         share = (fx if ti.static(i == 1) else 1 - fx) * (fy if ti.static(j == 1) else 1 - fy)
-        x, y = ti.cast(column - n * stride, ti.f32), ti.cast(row - r * stride, ti.f32)
+        x, y = ti.cast((column - n * stride) * step, ti.f32), ti.cast((row - r * stride) * step, ti.f32)
         for k in ti.static((0, 3)):
             ux, uy = at_nodes[r, n, k + 1], at_nodes[r, n, k + 2]
             model[k] += share * (at_nodes[r, n, k] + ux * x + uy * y)
@@ -69,10 +72,12 @@ def blended(at_nodes: ti.template(), stride, row, column):
 
 
 @ti.kernel
-def subtract(squares: Channels, targets: Channels, at_nodes: Channels, stride: ti.i32, rest: Channels):
-    """`targets` of what is left to explain once pixels have moved by the models told at nodes."""
+def subtract(
+    squares: Channels, targets: Channels, at_nodes: Channels, stride: ti.i32, step: ti.i32, rest: Channels
+):
+    """`targets` of what is left to explain once places have moved by the models told at nodes."""
     for row, column in ti.ndrange(squares.shape[0], squares.shape[1]):
-        model = blended(at_nodes, stride, row, column)
+        model = blended(at_nodes, stride, row, column, step)
         xx, xy, yy = squares[row, column, 0], squares[row, column, 1], squares[row, column, 2]
         rest[row, column, 0] = targets[row, column, 0] - xx * model[0] - xy * model[3]
         rest[row, column, 1] = targets[row, column, 1] - xy * model[0] - yy * model[3]
@@ -199,10 +204,10 @@ def solve_nodes(moments: Channels, rights: Channels, scale: ti.f32, held: Channe
 
 
 @ti.kernel
-def spread(at_nodes: Channels, stride: ti.i32, models: Channels):
-    """Every pixel's model from those told at nodes."""
+def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
+    """Every place's model from those told at nodes."""
     for row, column in ti.ndrange(models.shape[0], models.shape[1]):
-        model = blended(at_nodes, stride, row, column)
+        model = blended(at_nodes, stride, row, column, step)
         for k in ti.static(range(6)):
             models[row, column, k] = model[k]
 
@@ -212,6 +217,7 @@ def take_agreeing(
     at_nodes: Channels,
     variance: Channels,
     stride: ti.i32,
+    step: ti.i32,
     confidence: ti.f32,
     level: ti.i32,
     intervals: Channels,
@@ -227,7 +233,7 @@ def take_agreeing(
     """
     lines, nodes = variance.shape[0], variance.shape[1]
     for row, column in ti.ndrange(levels.shape[0], levels.shape[1]):
-        model = blended(at_nodes, stride, row, column)
+        model = blended(at_nodes, stride, row, column, step)
         for k in ti.static(range(2)):
             motions[row, column, k] = model[3 * k]
         if levels[row, column] == level - 1:
