@@ -96,9 +96,8 @@ def _solve(
     if options.edges:
         models = _mended(pair, models, chosen)
     models = carried_outwards(models, pair.usable > 0, mask)
-    chosen = replace(chosen, models=models[::_THIN, ::_THIN])
     gradient = np.stack([models[:, :, 1:3], models[:, :, 4:6]], axis=2)
-    sigma = repeated(standard_deviation(chosen), _THIN, pair.shape)
+    sigma = repeated(standard_deviation(chosen, models[::_THIN, ::_THIN], options.preset), _THIN, pair.shape)
     return FlowField(models[:, :, ::3], mask, sigma, gradient)
 
 

@@ -224,12 +224,15 @@ def take_agreeing(
     motions: Channels,
     best: Channels,
     best_variance: Channels,
+    excess: Channels,
     levels: Levels,
 ):
     """Narrow every pixel's intervals of u and v; take the models of this level while they are not empty.
 
     A pixel has agreed so far if its level is `level` - 1. `intervals` (H, W, 4) holds lower and upper ends;
-    `motions` (H, W, 2) comes out as this level's u and v. Models and variances are told at nodes.
+    `motions` (H, W, 2) comes out as this level's u and v, `excess` as the square of what the level before
+    found otherwise, less half of what noise alone makes of it if both see the same. Models and variances are
+    told at nodes.
     """
     lines, nodes = variance.shape[0], variance.shape[1]
     for row, column in ti.ndrange(levels.shape[0], levels.shape[1]):
@@ -250,6 +253,10 @@ def take_agreeing(
             if met == 1:
                 levels[row, column] = level
                 for k in ti.static(range(2)):
+                    if level > 0:
+                        apart = model[3 * k] - best[row, column, 3 * k]
+                        by_noise = ti.max(0, best_variance[row, column, k] - variance[line, node, k])
+                        excess[row, column, k] = apart * apart - by_noise / 2
                     best_variance[row, column, k] = variance[line, node, k]
                 for k in ti.static(range(6)):
                     best[row, column, k] = model[k]

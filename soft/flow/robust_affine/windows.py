@@ -221,10 +221,8 @@ class Chosen:
         Of u and v by the pictures' noise, px^2.
     level : (h, w) int32
         Which window, from the smallest on.
-    smallest : (h, w, 2) float32
-        u and v that the smallest window found.
-    smallest_variance : (h, w, 2) float32
-        Of them.
+    excess : (h, w, 2) float32
+        Square of what the next smaller window found otherwise, less what noise makes of it, px^2.
     jump : (h, w) float32
         How far the smallest and a middling window's fits lie apart beyond what noise makes likely, px.
     step : int
@@ -234,8 +232,7 @@ class Chosen:
     models: np.ndarray
     variance: np.ndarray
     level: np.ndarray
-    smallest: np.ndarray
-    smallest_variance: np.ndarray
+    excess: np.ndarray
     jump: np.ndarray
     step: int
 
@@ -266,7 +263,7 @@ def choose(
     pairs = (*shape, 2)
     intervals = np.tile(np.array([-np.inf, np.inf], np.float32), pairs)
     models, variance, level_of = held.copy(), np.zeros(pairs, np.float32), np.full(shape, -1, np.int32)
-    smallest, motions = np.empty(pairs, np.float32), np.empty(pairs, np.float32)
+    excess, smallest, motions = (np.zeros(pairs, np.float32) for _ in range(3))
     smallest_variance, jump = variance, np.zeros(shape, np.float32)
     for level, window in enumerate(windows):
         while products.suit(window):
@@ -274,11 +271,11 @@ def choose(
         found = fit(products, window, held, twice=True)
         kernels.take_agreeing(
             found.at_nodes, found.variance(noise), window.stride // step, step, confidence, level, intervals,
-            motions if level else smallest, models, variance, level_of,
+            motions if level else smallest, models, variance, excess, level_of,
         )  # fmt: skip
         if level == 0:
             smallest_variance = variance.copy()
         if level == _MIDDLING:
             apart = np.abs(motions - smallest) - 3 * np.sqrt(smallest_variance)
             np.maximum(apart[:, :, 0], apart[:, :, 1], out=jump)
-    return Chosen(models, variance, level_of, smallest, smallest_variance, jump, step)
+    return Chosen(models, variance, level_of, excess, jump, step)
