@@ -24,8 +24,8 @@ from soft.flow.options import require_choice, require_flag, require_number
 from soft.flow.robust_affine.brightness import PicturePair
 from soft.flow.robust_affine.edges import mend
 from soft.flow.robust_affine.rim import DOUBTFUL, MARGIN, carried_outwards, join, shrunk
-from soft.flow.robust_affine.seed import seed
-from soft.flow.robust_affine.uncertainty import standard_deviation
+from soft.flow.robust_affine.seed import seed, way_back
+from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated, spread
 from soft.masks import grown
 
@@ -48,6 +48,8 @@ _AROUND = 6
 """So far around it models are mended, px."""
 _CURVED = 3
 """Up to this one there is something left to fit once more."""
+_MISSES = 2.0
+"""The way back may miss the start by so much, px: near breaks, its coarse search is off by 1."""
 _SLOPE_NOISE = 1.2
 """Factor on the variance by noise, for what interpolation adds: measured on `sand_rotation`, seed 101."""
 
@@ -97,7 +99,8 @@ def _solve(
         models = _mended(pair, models, chosen)
     models = carried_outwards(models, pair.usable > 0, mask)
     gradient = np.stack([models[:, :, 1:3], models[:, :, 4:6]], axis=2)
-    sigma = repeated(standard_deviation(chosen, models[::_THIN, ::_THIN], options.preset), _THIN, pair.shape)
+    sigma = standard_deviation(chosen, models[::_THIN, ::_THIN], options.preset)
+    sigma = widen_at_rim(repeated(sigma, _THIN, pair.shape), mask)
     return FlowField(models[:, :, ::3], mask, sigma, gradient)
 
 
@@ -134,6 +137,12 @@ def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray
     return models + rest
 
 
+def _back(
+    first: np.ndarray, second: np.ndarray, forward: FlowField, options: RobustAffineOptions
+) -> np.ndarray:
+    return way_back(first, second, forward.displacement)
+
+
 def _resolved(options: RobustAffineOptions) -> dict[str, object]:
     return asdict(options.resolved)
 
@@ -147,5 +156,6 @@ ESTIMATOR = Estimator(
     devices=DEVICES,
     keeps_to_mask=True,
     start=start_taichi,
-    forward_backward=False,
+    forward_backward=_MISSES,
+    backward=_back,
 )

@@ -10,14 +10,14 @@ import numpy as np
 from soft.flow.opencv import to_8bit
 
 _PATCH = 8
-_FINEST = 1
-"""Level of the pyramid on which the search ends: 1 = half resolution."""
+_FINEST, _FINEST_BACK = 1, 2
+"""Level of the pyramid on which the search ends, 1 = half resolution; and the one for the way back."""
 _LARGE = 8.0
 """A common shift beyond this is worth a second search, px."""
 _CLEAR = 0.3
 """Height of the phase correlation's peak from which on most of the picture shares a shift."""
-_BOX = 15
-"""Side of the box over which grey levels are compared, px."""
+_BOX, _BOX_BACK = 15, 5
+"""Side of the box over which grey levels are compared, px; and the one for the way back."""
 
 
 def seed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -29,12 +29,51 @@ def seed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _searched(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    found, shift = _search(first, second), _common_shift(first, second)
+    found, shift = _search(first, second, _FINEST), _common_shift(first, second)
     if np.hypot(*shift) <= _LARGE:
         return found
-    other = _search(first, _moved(second, shift)) + shift
-    better = _mismatch(first, second, other) < _mismatch(first, second, found)
-    return np.where(better[:, :, None], other, found)
+    other = _search(first, _moved(second, shift), _FINEST) + shift
+    return _better(first, second, (other, found), _BOX)
+
+
+def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.ndarray:
+    """Motion from the second picture to the first, (H, W, 2) px, as the forward-backward check asks for it.
+
+    A coarse search's, or the forward motion turned round where the pictures agree better under that: what is
+    hidden in the second picture, or was mistaken for something else, goes another way back.
+
+    Parameters
+    ----------
+    first, second : (H, W) float32
+        Grey levels, 0-255.
+    forward : (H, W, 2) float32
+        Px; NaN where not measured.
+    """
+    before, after = to_8bit(first), to_8bit(second)
+    if min(first.shape) < _PATCH * 2 ** (_FINEST_BACK + 1):
+        return _turned(forward, np.zeros_like(forward))
+    searched = _search(after, before, _FINEST_BACK)
+    return _better(after, before, (_turned(forward, searched), searched), _BOX_BACK)
+
+
+def _turned(forward: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
+    """What moved there turned round, at the pixel where it has landed; elsewhere as told."""
+    height, width = forward.shape[:2]
+    rows, columns = np.nonzero(np.isfinite(forward[:, :, 0]))
+    moved = forward[rows, columns]
+    x, y = np.rint(columns + moved[:, 0]).astype(int), np.rint(rows + moved[:, 1]).astype(int)
+    inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+    turned = otherwise.copy()
+    turned[y[inside], x[inside]] = -moved[inside]
+    return turned
+
+
+def _better(
+    first: np.ndarray, second: np.ndarray, motions: tuple[np.ndarray, np.ndarray], box: int
+) -> np.ndarray:
+    """The one of two motions under which the pictures agree better; the latter where it makes no odds."""
+    one, other = (_mismatch(first, second, motion, box) for motion in motions)
+    return np.where((one < other)[:, :, None], *motions)
 
 
 def _common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray:
@@ -48,11 +87,11 @@ def _common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray:
     return np.rint(2 * np.array(shift) if peak > _CLEAR else np.zeros(2)).astype(np.float32)
 
 
-def _search(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def _search(first: np.ndarray, second: np.ndarray, finest: int) -> np.ndarray:
     import cv2
 
     solver = cv2.DISOpticalFlow.create(cv2.DISOPTICAL_FLOW_PRESET_MEDIUM)
-    solver.setFinestScale(_FINEST)
+    solver.setFinestScale(finest)
     return solver.calc(first, second, None)  # type: ignore[call-overload, no-any-return]
 
 
@@ -66,7 +105,7 @@ def _moved(picture: np.ndarray, shift: np.ndarray) -> np.ndarray:
     return cv2.warpAffine(picture, matrix, (width, height), flags=flags, borderMode=cv2.BORDER_REPLICATE)
 
 
-def _mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray) -> np.ndarray:
+def _mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray, box: int) -> np.ndarray:
     """Mean difference of grey levels around each pixel, if it moves so."""
     import cv2
 
@@ -74,4 +113,4 @@ def _mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray) -> np.n
     x = np.arange(width, dtype=np.float32) + motion[:, :, 0]
     y = np.arange(height, dtype=np.float32)[:, None] + motion[:, :, 1]
     there = cv2.remap(second, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return cv2.boxFilter(cv2.absdiff(first, there), cv2.CV_32F, (_BOX, _BOX))
+    return cv2.boxFilter(cv2.absdiff(first, there), cv2.CV_32F, (box, box))
