@@ -26,14 +26,15 @@ from soft.flow.robust_affine.windows import Chosen
 
 @dataclass(frozen=True)
 class Factors:
-    """Of the last three variances; that of the gradient's in px^2 per (px/px)^2."""
+    """Of the four variances; that of the gradient's in px^2 per (px/px)^2."""
 
+    noise: float
     excess: float
     mended: float
     gradient: float
 
 
-FACTORS = {"accurate": Factors(0.55, 1.75, 1.5), "fast": Factors(1.0, 1.75, 10.0)}
+FACTORS = {"accurate": Factors(1.15, 0.55, 1.75, 1.4), "fast": Factors(1.15, 1.0, 1.75, 10.0)}
 _RIM = ((2, 1.25), (5, 1.35))
 """Factors on sigma at pixels with one outside the mask at most so many px off; both where both hold."""
 _AROUND = 10.0
@@ -46,7 +47,7 @@ def standard_deviation(chosen: Chosen, models: np.ndarray, preset: str) -> np.nd
     """One sigma of u and of v, px: (h, w, 2) float32; `models` (h, w, 6) are those in the end."""
     mended, factors = (models - chosen.models)[:, :, ::3], FACTORS[preset]
     return np.sqrt(
-        chosen.variance
+        factors.noise * chosen.variance
         + factors.excess * np.maximum(_averaged(chosen.excess, _AROUND / chosen.step), 0)
         + factors.mended * _averaged(mended * mended, _NEARBY / chosen.step)
         + factors.gradient * _gradient_variance(chosen.models, _NEARBY / chosen.step)[:, :, None]
