@@ -11,6 +11,7 @@ from soft.flow.user_function import from_function, from_import_path
 
 # Name and module of each built-in estimator; the module calls it ESTIMATOR.
 BUILT_IN = {
+    "black-anandan": "soft.flow.black_anandan.estimator",
     "dis": "soft.flow.dis",
     "farneback": "soft.flow.farneback",
     "ilk": "soft.flow.ilk",

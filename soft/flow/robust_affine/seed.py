@@ -8,14 +8,11 @@ the picture shares (phase correlation), where that is large, and each pixel take
 import numpy as np
 
 from soft.flow.opencv import to_8bit
+from soft.flow.shift import common_shift, mismatch
 
 _PATCH = 8
 _FINEST, _FINEST_BACK = 1, 2
 """Level of the pyramid on which the search ends, 1 = half resolution; and the one for the way back."""
-_LARGE = 8.0
-"""A common shift beyond this is worth a second search, px."""
-_CLEAR = 0.3
-"""Height of the phase correlation's peak from which on most of the picture shares a shift."""
 _BOX, _BOX_BACK = 15, 5
 """Side of the box over which grey levels are compared, px; and the one for the way back."""
 
@@ -29,8 +26,8 @@ def seed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
 
 
 def _searched(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    found, shift = _search(first, second, _FINEST), _common_shift(first, second)
-    if np.hypot(*shift) <= _LARGE:
+    found, shift = _search(first, second, _FINEST), common_shift(first, second)
+    if shift is None:
         return found
     other = _search(first, _moved(second, shift), _FINEST) + shift
     return _better(first, second, (other, found), _BOX)
@@ -72,19 +69,8 @@ def _better(
     first: np.ndarray, second: np.ndarray, motions: tuple[np.ndarray, np.ndarray], box: int
 ) -> np.ndarray:
     """The one of two motions under which the pictures agree better; the latter where it makes no odds."""
-    one, other = (_mismatch(first, second, motion, box) for motion in motions)
+    one, other = (mismatch(first, second, motion, box=box) for motion in motions)
     return np.where((one < other)[:, :, None], *motions)
-
-
-def _common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    """Whole px (x, y) that most of the picture moves by; zero where no motion is shared."""
-    import cv2
-
-    half = [
-        cv2.resize(picture, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for picture in (first, second)
-    ]
-    shift, peak = cv2.phaseCorrelate(*(picture.astype(np.float32) for picture in half))
-    return np.rint(2 * np.array(shift) if peak > _CLEAR else np.zeros(2)).astype(np.float32)
 
 
 def _search(first: np.ndarray, second: np.ndarray, finest: int) -> np.ndarray:
@@ -103,14 +89,3 @@ def _moved(picture: np.ndarray, shift: np.ndarray) -> np.ndarray:
     matrix = np.array([[1, 0, shift[0]], [0, 1, shift[1]]], np.float32)
     flags = cv2.INTER_NEAREST | cv2.WARP_INVERSE_MAP
     return cv2.warpAffine(picture, matrix, (width, height), flags=flags, borderMode=cv2.BORDER_REPLICATE)
-
-
-def _mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray, box: int) -> np.ndarray:
-    """Mean difference of grey levels around each pixel, if it moves so."""
-    import cv2
-
-    height, width = first.shape
-    x = np.arange(width, dtype=np.float32) + motion[:, :, 0]
-    y = np.arange(height, dtype=np.float32)[:, None] + motion[:, :, 1]
-    there = cv2.remap(second, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
-    return cv2.boxFilter(cv2.absdiff(first, there), cv2.CV_32F, (box, box))
