@@ -23,6 +23,9 @@ from soft.flow.field import FlowField
 from soft.flow.options import require_choice, require_count
 from soft.flow.shift import common_shift, mismatch
 
+_MARGIN, _TEXTURE_MARGIN = 1, 4
+"""Px along a mask's edge that are not used: slopes reach over it, and a picture's texture further."""
+
 
 @dataclass(frozen=True)
 class BlackAnandanOptions:
@@ -55,8 +58,12 @@ def _solve(
     if settings.texture:
         span = max(float(picture.max() - picture.min()) for picture in (first, second)) or 1.0
         first, second = texture(first, span), texture(second, span)
+    margin = _TEXTURE_MARGIN if settings.texture else _MARGIN
     for stage in settings.stages:
-        for level in levels(first, second, grey, mask, spacing=stage.spacing, most=stage.level_count):
+        pyramid = levels(
+            first, second, grey, mask, spacing=stage.spacing, most=stage.level_count, margin=margin
+        )
+        for level in pyramid:
             flow = carried(flow, linked, level.usable.shape)
             energy = Energy(level, stage)
             flow = _refined(energy, level, flow, settings, weighted=stage.convex < 1)

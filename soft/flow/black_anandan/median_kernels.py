@@ -45,8 +45,8 @@ def gathered(
 @ti.func
 def crossed(place, count, k: ti.template(), low, high, half, votes: ti.template(), bins: ti.template()):
     """Bin of [low, high] in which the weights, summed by rising motion, reach `half`."""
-    for bin in range(BINS):
-        bins[place, bin] = 0
+    for each in range(BINS):
+        bins[place, each] = 0
     below, scale = ti.f32(0.0), BINS / (high - low)
     for vote in range(count):
         value = (votes[place, vote, 1 + k] - low) * scale

@@ -26,8 +26,8 @@ class Level:
     linked : (H, W) float32
         1 where motion is asked for, else 0: there it is tied to nothing.
     usable : (H, W) float32
-        1 where the pictures may be used, else 0: not within a pixel of the mask's edge, nor where a coarse
-        pixel holds something from beyond.
+        1 where the pictures may be used, else 0: not close to the mask's edge, nor where a coarse pixel holds
+        something from beyond.
     """
 
     first: np.ndarray
@@ -38,18 +38,26 @@ class Level:
 
 
 def levels(
-    first: np.ndarray, second: np.ndarray, grey: np.ndarray, mask: np.ndarray, *, spacing: float, most: int
+    first: np.ndarray,
+    second: np.ndarray,
+    grey: np.ndarray,
+    mask: np.ndarray,
+    *,
+    spacing: float,
+    most: int,
+    margin: int,
 ) -> Iterator[Level]:
     """Levels of (H, W) float32 pictures from coarse to fine, each `spacing` times the former's size.
 
-    `grey` is the first picture as it looks, whatever was made of it in `first`.
+    `grey` is the first picture as it looks, whatever was made of it in `first`. Pixels within `margin` px of
+    the mask's edge are not used.
     """
     height, width = first.shape
     fitting = 1 + int(np.log(max(1.0, min(height, width) / LEAST_SIDE)) / np.log(spacing))
     for coarseness in reversed(range(min(fitting, most))):
         size = (round(height / spacing**coarseness), round(width / spacing**coarseness))
         small, other = (_reduced(picture, size, spacing, coarseness) for picture in (first, second))
-        linked, usable = (_covered(part, size) for part in (mask, _shrunk(mask)))
+        linked, usable = (_covered(part, size) for part in (mask, _shrunk(mask, margin)))
         yield Level(
             grey_and_slopes(small),
             spline_coefficients(other),
@@ -96,9 +104,9 @@ def _covered(mask: np.ndarray, size: tuple[int, int]) -> np.ndarray:
     return cv2.resize(mask.astype(np.float32), size[::-1], interpolation=cv2.INTER_AREA)
 
 
-def _shrunk(mask: np.ndarray) -> np.ndarray:
-    """A mask less the pixels that touch something else."""
+def _shrunk(mask: np.ndarray, margin: int) -> np.ndarray:
+    """A mask less the pixels within `margin` px of something else."""
     import cv2
 
-    kernel = np.ones((3, 3), np.uint8)
+    kernel = np.ones((2 * margin + 1, 2 * margin + 1), np.uint8)
     return cv2.erode(mask.astype(np.uint8), kernel, borderType=cv2.BORDER_REPLICATE) > 0

@@ -6,7 +6,7 @@ At a pixel with motion x (u and v)::
 
 `tensor` (.., 3) holds uu, uv and vv; `links` (.., 4) those of u and of v to the right, then to below.
 `diagonal` (.., 3) is the whole symmetric block at the pixel, `inverse` its inverse, zero where it has none.
-All arrays have a rim of zeros around the pixels, one line before and two after, so that no border is asked for.
+All arrays have a rim of zeros around the pixels, one line before and two after: no border is asked for.
 
 Every number has one writer, and sums are taken in one order, so results are the same bytes on any number of
 threads. Loops go over pieces of rows: taichi shares a loop over some hundred rows between no threads, and one
@@ -140,7 +140,7 @@ def descend(
     motion: Channels,
     coarse_right: Channels,
 ):
-    """A sweep, one colour of a chessboard and then the other; what is left, summed over 2 x 2 pixels."""
+    """A sweep, one colour of a chessboard and then the other; what is left, in 2 x 2 pixels."""
     height, width = motion.shape[0] - BEFORE - AFTER, motion.shape[1] - BEFORE - AFTER
     for colour in ti.static((0, 1)):
         for piece in range(height * pieces(width)):
@@ -175,7 +175,7 @@ def ascend(inverse: Channels, links: Channels, right: Channels, coarse_motion: C
 @ti.kernel
 def sweep(inverse: Channels, links: Channels, right: Channels, motion: Channels):
     """Sweeps and back in the mirrored order: for the coarsest grid, whose rows are one piece."""
-    height, width = motion.shape[0] - BEFORE - AFTER, motion.shape[1] - BEFORE - AFTER
+    height = motion.shape[0] - BEFORE - AFTER
     for colour in ti.static((0, 1, 0, 1, 0, 1, 1, 0, 1, 0, 1, 0)):
         for row in range(1, height + 1):
             relax(inverse, links, right, row, 1, colour, motion)

@@ -15,7 +15,7 @@ _ITERATIONS = 100
 
 
 def texture(picture: np.ndarray, span: float) -> np.ndarray:
-    """Texture of (H, W) float32 grey levels, around the same mean; `span` is what -1 to 1 stands for."""
+    """Texture of (H, W) float32 grey levels; `span` is what -1 to 1 stands for, the same for both pictures."""
     from soft.flow.black_anandan import texture_kernels as kernels
 
     scaled = picture * np.float32(2 / span)
@@ -23,5 +23,4 @@ def texture(picture: np.ndarray, span: float) -> np.ndarray:
     for _ in range(_ITERATIONS):
         kernels.primal(scaled, dual, _THETA, structure)
         kernels.ascend(structure, _STEP / _THETA, dual)
-    left = picture - np.float32(_SHARE * span / 2) * structure
-    return left + np.float32(picture.mean() - left.mean())
+    return picture - np.float32(_SHARE * span / 2) * structure

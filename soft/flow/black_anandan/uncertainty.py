@@ -1,9 +1,9 @@
 """How sure: the spread of motion fields that the energy allows.
 
 At the solution the reweighted equations' matrix A stands for the energy's curvature. With noise of variance
-s^2 in the data, the posterior covariance is (s / data_width)^2 A^-1. Its diagonal is found by sampling: A x = n
-with n of covariance A makes x of covariance A^-1 (Papandreou and Yuille, NIPS 2010). Not calibrated: the
-prior is the smoothness term, and what breaks brightness constancy is not in it.
+s^2 in the data, the posterior covariance is (s / data_width)^2 A^-1. Its diagonal is found by sampling:
+A x = n with n of covariance A makes x of covariance A^-1 (Papandreou and Yuille, NIPS 2010). Not calibrated:
+the prior is the smoothness term, and what breaks brightness constancy is not in it.
 """
 
 import numpy as np
@@ -29,7 +29,7 @@ def standard_deviation(energy: Energy, flow: np.ndarray) -> np.ndarray:
 
 
 def _fill(energy: Energy, random: np.random.Generator) -> None:
-    """Put noise of the matrix's own covariance on the right-hand side: a draw for every term of the energy."""
+    """Put noise of the matrix's covariance on the right-hand side: a draw for each term of the energy."""
     tensor, links, right = energy.system.tensor, energy.system.links, energy.system.right
     drawn = random.standard_normal((*right.shape[:2], 5), dtype=np.float32)
     right[:, :, 0] = np.sqrt(tensor[:, :, 0]) * drawn[:, :, 0]
