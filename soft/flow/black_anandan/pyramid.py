@@ -88,11 +88,15 @@ def carried(flow: np.ndarray, mask: np.ndarray, size: tuple[int, int]) -> np.nda
 
 
 def _reduced(picture: np.ndarray, size: tuple[int, int], spacing: float, coarseness: int) -> np.ndarray:
-    """A picture at a coarser level: as if blurred by sqrt(spacing / 2) px and reduced, level by level."""
+    """A picture at a coarser level: as if blurred by sqrt(spacing / 8) px and reduced, level by level.
+
+    Half of what aliasing alone would ask for: reducing averages neighbours too, and fine grains are all
+    that some pictures have.
+    """
     import cv2
 
     if coarseness:
-        sigma = np.sqrt(spacing / 2 * (spacing ** (2 * coarseness) - 1) / (spacing**2 - 1))
+        sigma = np.sqrt(spacing / 8 * (spacing ** (2 * coarseness) - 1) / (spacing**2 - 1))
         picture = cv2.GaussianBlur(picture, (0, 0), sigma)
     return cv2.resize(picture, size[::-1], interpolation=cv2.INTER_LINEAR)
 

@@ -70,7 +70,7 @@ PRESETS = {
             Stage(0.0, 1.25, 2, 0.045, 3.5, 0.1),
             Stage(0.0, 1.25, 2, 0.045, 1.5, 0.04),
         ),
-        warp_count=10,
+        warp_count=3,
         weighing_count=1,
         tolerance=0.05,
         median=5,

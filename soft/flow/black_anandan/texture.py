@@ -15,7 +15,10 @@ _ITERATIONS = 100
 
 
 def texture(picture: np.ndarray, span: float) -> np.ndarray:
-    """Texture of (H, W) float32 grey levels; `span` is what -1 to 1 stands for, the same for both pictures."""
+    """Texture of (H, W) float32 grey levels; `span`, that of both pictures, is what -1 to 1 stands for.
+
+    Nothing is taken from the whole picture: beyond a mask the two may hold different things.
+    """
     from soft.flow.black_anandan import texture_kernels as kernels
 
     scaled = picture * np.float32(2 / span)

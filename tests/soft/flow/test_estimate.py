@@ -5,7 +5,7 @@ import pytest
 from soft.flow import BUILT_IN, FlowError, FlowField, estimate_flow, read_flo, write_flo
 
 INNER = np.s_[16:-16, 16:-16]
-RUBBER_WHALE = {"dis": 0.23, "ilk": 0.28, "robust-affine": 0.11, "tvl1": 0.28}
+RUBBER_WHALE = {"black-anandan": 0.085, "dis": 0.23, "ilk": 0.28, "robust-affine": 0.11, "tvl1": 0.28}
 """Mean end-point errors that methods keep to, px; 0.33 for others."""
 
 
@@ -38,7 +38,7 @@ def test_middlebury(real_data, method):
     folder = real_data / "middlebury" / "RubberWhale"
     first, second = (cv2.imread(str(folder / f"frame{k}.png"), 0) for k in (10, 11))
     truth = read_flo(folder / "flow10.flo")
-    field = estimate_flow(first, second, method=method)
+    field = estimate_flow(first, second, method=method, forward_backward=False)  # of every pixel
     error = np.hypot(*np.moveaxis(field.displacement - truth, -1, 0))
     assert field.valid.mean() > 0.95
     assert np.nanmean(error) < RUBBER_WHALE.get(method, 0.33)
