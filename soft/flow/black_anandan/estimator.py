@@ -61,7 +61,14 @@ def _solve(
     margin = _TEXTURE_MARGIN if settings.texture else _MARGIN
     for stage in settings.stages:
         pyramid = levels(
-            first, second, grey, mask, spacing=stage.spacing, most=stage.level_count, margin=margin
+            first,
+            second,
+            grey,
+            mask,
+            spacing=stage.spacing,
+            most=stage.level_count,
+            margin=margin,
+            blur=settings.blur,
         )
         for level in pyramid:
             flow = carried(flow, linked, level.usable.shape)

@@ -46,22 +46,23 @@ def levels(
     spacing: float,
     most: int,
     margin: int,
+    blur: float,
 ) -> Iterator[Level]:
     """Levels of (H, W) float32 pictures from coarse to fine, each `spacing` times the former's size.
 
     `grey` is the first picture as it looks, whatever was made of it in `first`. Pixels within `margin` px of
-    the mask's edge are not used.
+    the mask's edge are not used. From level to level pictures are blurred by `blur` * sqrt(spacing) px.
     """
     height, width = first.shape
     fitting = 1 + int(np.log(max(1.0, min(height, width) / LEAST_SIDE)) / np.log(spacing))
     for coarseness in reversed(range(min(fitting, most))):
         size = (round(height / spacing**coarseness), round(width / spacing**coarseness))
-        small, other = (_reduced(picture, size, spacing, coarseness) for picture in (first, second))
+        small, other = (_reduced(picture, size, spacing, coarseness, blur) for picture in (first, second))
         linked, usable = (_covered(part, size) for part in (mask, _shrunk(mask, margin)))
         yield Level(
             grey_and_slopes(small),
             spline_coefficients(other),
-            _reduced(grey, size, spacing, coarseness),
+            _reduced(grey, size, spacing, coarseness, blur),
             (linked >= 0.5).astype(np.float32),
             (usable > 0.99).astype(np.float32),
         )
@@ -87,16 +88,14 @@ def carried(flow: np.ndarray, mask: np.ndarray, size: tuple[int, int]) -> np.nda
     return cv2.resize(extended(flow, mask), size[::-1], interpolation=cv2.INTER_LINEAR) * scale
 
 
-def _reduced(picture: np.ndarray, size: tuple[int, int], spacing: float, coarseness: int) -> np.ndarray:
-    """A picture at a coarser level: as if blurred by sqrt(spacing / 8) px and reduced, level by level.
-
-    Half of what aliasing alone would ask for: reducing averages neighbours too, and fine grains are all
-    that some pictures have.
-    """
+def _reduced(
+    picture: np.ndarray, size: tuple[int, int], spacing: float, coarseness: int, blur: float
+) -> np.ndarray:
+    """A picture at a coarser level: as if blurred and reduced level by level."""
     import cv2
 
     if coarseness:
-        sigma = np.sqrt(spacing / 8 * (spacing ** (2 * coarseness) - 1) / (spacing**2 - 1))
+        sigma = blur * np.sqrt(spacing * (spacing ** (2 * coarseness) - 1) / (spacing**2 - 1))
         picture = cv2.GaussianBlur(picture, (0, 0), sigma)
     return cv2.resize(picture, size[::-1], interpolation=cv2.INTER_LINEAR)
 

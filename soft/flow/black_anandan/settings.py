@@ -37,6 +37,8 @@ class Settings:
     ----------
     stages : tuple of Stage
         One after the other.
+    blur : float
+        Standard deviation by which pictures are blurred from level to level / sqrt(spacing), px.
     warp_count : int
         Times that each level's second picture is warped.
     weighing_count : int
@@ -54,6 +56,7 @@ class Settings:
     """
 
     stages: tuple[Stage, ...]
+    blur: float
     warp_count: int
     weighing_count: int
     tolerance: float
@@ -70,6 +73,7 @@ PRESETS = {
             Stage(0.0, 1.25, 2, 0.045, 3.5, 0.1),
             Stage(0.0, 1.25, 2, 0.045, 1.5, 0.04),
         ),
+        blur=0.35,
         warp_count=3,
         weighing_count=1,
         tolerance=0.05,
@@ -84,6 +88,7 @@ PRESETS = {
             Stage(0.0, 1.25, 2, 0.1, 12.6, 0.2),
             Stage(0.0, 1.25, 2, 0.1, 6.3, 0.1),
         ),
+        blur=0.71,
         warp_count=3,
         weighing_count=3,
         tolerance=0.01,

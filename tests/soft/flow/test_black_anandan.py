@@ -81,7 +81,7 @@ def energy_at(moved):
         first, second, _ = moved(shift=(0.4, -0.3), shape=(24, 30))
         stage = Stage(convex, 2.0, 1, 0.1, 6.3, 0.1)
         mask = np.ones(first.shape, bool)
-        level = next(levels(first, second, first, mask, spacing=2.0, most=1, margin=1))
+        level = next(levels(first, second, first, mask, spacing=2.0, most=1, margin=1, blur=0.7))
         energy = Energy(level, stage)
         energy.linearize(np.zeros((*first.shape, 2), np.float32))
         random = np.random.default_rng(0)
