@@ -16,7 +16,9 @@ def common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray | None:
     """
     import cv2
 
-    halves = [cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for grey in (first, second)]
+    halves = [
+        cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA) for grey in (first, second)
+    ]
     height, width = halves[0].shape
     window = cv2.createHanningWindow((width, height), cv2.CV_32F)
     half, peak = cv2.phaseCorrelate(*(grey.astype(np.float32) for grey in halves), window)
@@ -25,7 +27,7 @@ def common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray | None:
 
 
 def mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray, *, box: int = 15) -> np.ndarray:
-    """Mean difference of grey levels in a box of that side around each pixel, if it moves so: (H, W) float32."""
+    """Mean difference of grey levels in a box around each pixel, if it moves so: (H, W) float32."""
     import cv2
 
     height, width = first.shape
@@ -33,3 +35,9 @@ def mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray, *, box: 
     y = np.arange(height, dtype=np.float32)[:, None] + motion[:, :, 1]
     there = cv2.remap(second, x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return cv2.boxFilter(cv2.absdiff(first, there), cv2.CV_32F, (box, box))
+
+
+def _half(grey: np.ndarray) -> np.ndarray:
+    import cv2
+
+    return cv2.resize(grey, None, fx=0.5, fy=0.5, interpolation=cv2.INTER_AREA)
