@@ -18,10 +18,11 @@ from soft.flow.black_anandan.pyramid import LEAST_SIDE, Level, carried, extended
 from soft.flow.black_anandan.settings import PRESETS, Settings
 from soft.flow.black_anandan.texture import texture
 from soft.flow.black_anandan.uncertainty import standard_deviation
+from soft.flow.coarse_search import better_of, common_shift
 from soft.flow.estimator import Estimator
 from soft.flow.field import FlowField
 from soft.flow.options import require_choice, require_count
-from soft.flow.shift import common_shift, mismatch
+from soft.flow.way_back import MISSES, way_back
 
 _MARGIN, _TEXTURE_MARGIN = 1, 4
 """Px along a mask's edge that are not used: slopes reach over it, and a picture's texture further."""
@@ -84,10 +85,7 @@ def _start(first: np.ndarray, second: np.ndarray, settings: Settings) -> np.ndar
     shift = common_shift(first, second) if settings.common_shift else None
     if shift is None:
         return rest
-    shifted = rest + shift
-    return np.where(
-        (mismatch(first, second, shifted) < mismatch(first, second, rest))[:, :, None], shifted, rest
-    )
+    return better_of(first, second, rest + shift, rest)
 
 
 def _refined(
@@ -117,4 +115,6 @@ ESTIMATOR = Estimator(
     devices=DEVICES,
     keeps_to_mask=True,
     start=start_taichi,
+    forward_backward=MISSES,
+    backward=lambda first, second, forward, _: way_back(first, second, forward.displacement),
 )

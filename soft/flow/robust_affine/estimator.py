@@ -24,9 +24,10 @@ from soft.flow.options import require_choice, require_flag, require_number
 from soft.flow.robust_affine.brightness import PicturePair
 from soft.flow.robust_affine.edges import mend
 from soft.flow.robust_affine.rim import DOUBTFUL, MARGIN, carried_outwards, join, shrunk
-from soft.flow.robust_affine.seed import seed, way_back
+from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated, spread
+from soft.flow.way_back import MISSES, way_back
 from soft.masks import grown
 
 PRESETS = ("accurate", "fast")
@@ -48,8 +49,6 @@ _AROUND = 6
 """So far around it models are mended, px."""
 _CURVED = 3
 """Up to this one there is something left to fit once more."""
-_MISSES = 2.0
-"""The way back may miss the start by so much, px: near breaks, its coarse search is off by 1."""
 _SLOPE_NOISE = 1.2
 """Factor on the variance by noise, for what interpolation adds: measured on `sand_rotation`, seed 101."""
 
@@ -137,12 +136,6 @@ def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray
     return models + rest
 
 
-def _back(
-    first: np.ndarray, second: np.ndarray, forward: FlowField, options: RobustAffineOptions
-) -> np.ndarray:
-    return way_back(first, second, forward.displacement)
-
-
 def _resolved(options: RobustAffineOptions) -> dict[str, object]:
     return asdict(options.resolved)
 
@@ -156,6 +149,6 @@ ESTIMATOR = Estimator(
     devices=DEVICES,
     keeps_to_mask=True,
     start=start_taichi,
-    forward_backward=_MISSES,
-    backward=_back,
+    forward_backward=MISSES,
+    backward=lambda first, second, forward, _: way_back(first, second, forward.displacement),
 )

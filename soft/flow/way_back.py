@@ -1,0 +1,53 @@
+"""The way back, for the forward-backward check of methods that are too slow to be asked twice."""
+
+import numpy as np
+
+from soft.flow.coarse_search import least_side, mismatch, search
+from soft.flow.opencv import to_8bit
+
+MISSES = 2.0
+"""By so much the way back may miss the start, px: near breaks of the motion, coarse search is off by one."""
+_FINEST = 2
+"""Level of the pyramid on which the search ends."""
+_BOX = 5
+"""Side of the box over which grey levels are compared, px."""
+_AGREEING, _SLACK = 3.0, 3.0
+"""Pictures agree where they differ by at most so many times the median, and so many grey levels."""
+_CLEARLY = 0.85
+"""Where they do not, something must explain them better by this factor."""
+
+
+def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.ndarray:
+    """Motion from the second picture to the first, (H, W, 2) px on the grid of the second.
+
+    A coarse search's, or the forward motion turned round where the pictures agree better under it: what is
+    hidden in the second picture, or was mistaken for something else, goes another way back.
+
+    Parameters
+    ----------
+    first, second : (H, W) float32
+        Grey levels, 0-255.
+    forward : (H, W, 2) float32
+        Px; NaN where not measured.
+    """
+    before, after = to_8bit(first), to_8bit(second)
+    searched = np.zeros_like(forward)
+    if min(first.shape) >= least_side(_FINEST):
+        searched = search(after, before, finest=_FINEST)
+    turned = _turned(forward, searched)
+    off = mismatch(after, before, turned, box=_BOX)
+    factor = np.where(off < _AGREEING * np.median(off) + _SLACK, 1, _CLEARLY)
+    right = off < factor * mismatch(after, before, searched, box=_BOX)
+    return np.where(right[:, :, None], turned, searched)
+
+
+def _turned(forward: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
+    """What moved there turned round, at the pixel where it has landed; elsewhere as told."""
+    height, width = forward.shape[:2]
+    rows, columns = np.nonzero(np.isfinite(forward[:, :, 0]))
+    moved = forward[rows, columns]
+    x, y = np.rint(columns + moved[:, 0]).astype(int), np.rint(rows + moved[:, 1]).astype(int)
+    inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
+    turned = otherwise.copy()
+    turned[y[inside], x[inside]] = -moved[inside]
+    return turned
