@@ -129,7 +129,7 @@ def test_smallest_pictures_do_not_crash(shape, preset):
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"method": "raft"}, "method 'raft': allowed are dis, farneback"),
+        ({"method": "raft"}, "method 'raft': allowed are black-anandan, dis, farneback"),
         ({"method": "dis", "window_size": 3}, "unknown option window_size: allowed are preset, finest_scale"),
         ({"method": "dis", "preset": "slow"}, "preset: 'slow': allowed are ultrafast, fast, medium"),
         ({"method": "dis", "patch_stride": 0}, "patch_stride: 0: must be a whole number from 1"),
