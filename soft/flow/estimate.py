@@ -85,13 +85,14 @@ def estimate_flow(
         if estimator.start is not None:
             estimator.start(device, threads)
         field = _solve(estimator, first, second, usable, settings)
-        field = field.where(lands_inside(field.displacement))
+        right = lands_inside(field.displacement)
         if not estimator.own_texture:
-            field = field.where(lands_on(has_texture(second), field.displacement))
+            right &= lands_on(has_texture(second), field.displacement)
         back = None
-        if check is not None and field.valid.any():
+        if check is not None and (field.valid & right).any():
             back = read_back(field.displacement, _backward(estimator, first, second, field, settings))
-            field = field.where(check.passed(field.displacement, back))
+            right &= check.passed(field.displacement, back)
+        field = field.where(right)
         return _with_uncertainty(estimator, first, second, field, back, settings, wanted=uncertainty)
 
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from soft.flow.coarse_search import least_side, mismatch, search
+from soft.flow.consistency import landing
 from soft.flow.opencv import to_8bit
 
 MISSES = 2.0
@@ -44,10 +45,8 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.n
 def _turned(forward: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
     """What moved there turned round, at the pixel where it has landed; elsewhere as told."""
     height, width = forward.shape[:2]
-    rows, columns = np.nonzero(np.isfinite(forward[:, :, 0]))
-    moved = forward[rows, columns]
-    x, y = np.rint(columns + moved[:, 0]).astype(int), np.rint(rows + moved[:, 1]).astype(int)
+    x, y = (np.rint(place).astype(np.int32) for place in landing(forward))
     inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
     turned = otherwise.copy()
-    turned[y[inside], x[inside]] = -moved[inside]
+    turned.reshape(-1, 2)[(y * width + x)[inside]] = -forward[inside]
     return turned
