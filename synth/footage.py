@@ -5,6 +5,8 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from synth.png import png_bytes
+
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
@@ -33,11 +35,7 @@ def write_sequence(folder: Path, frame_rate: float, metres_per_pixel: float, fra
 
 def write_picture(path: Path, picture: "np.ndarray") -> None:
     """Write a grey picture as PNG, without loss."""
-    import cv2
-
-    # A fixed, low level: grains hardly compress.
-    if not cv2.imwrite(str(path), picture, [cv2.IMWRITE_PNG_COMPRESSION, 1]):
-        raise OSError(f"{path}: the picture could not be written")
+    path.write_bytes(png_bytes(picture))
 
 
 @dataclass(frozen=True)

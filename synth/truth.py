@@ -157,8 +157,7 @@ def true_motion(
     grains, motion = grains_and_motion(recording, scene)
     placements = _placements(motion, {first, second})
     covered = cover(scene, recording, grains_at(grains, placements[first]), placements[first])
-    surroundings = motion.surroundings(placements[first], second)
-    truth = pair_truth(scene, recording, covered, surroundings, placements[first], placements[second])
+    truth = pair_truth(scene, recording, grains, covered, motion, placements[first], placements[second])
     return _dataset(truth, recording, scene)
 
 
@@ -175,12 +174,15 @@ def grains_and_motion(recording: "Recording", scene: "Scene") -> "tuple[MicroGra
 def pair_truth(
     scene: "Scene",
     recording: "Recording",
+    grains: "MicroGrains",
     covered: "Cover",
-    surroundings: "Surroundings",
+    motion: "Motion",
     placement: "Placement",
     next_placement: "Placement",
 ) -> PairTruth:
     """Truth from the frame of `covered` and `placement` to that of `next_placement`."""
+    import numpy as np
+
     from synth.camera.exchange import still_there
     from synth.camera.implement_face import face_of
     from synth.camera.view import View
@@ -189,8 +191,12 @@ def pair_truth(
     view, next_view = covered.view, View.of(scene, recording, second)
     next_face = face_of(scene, recording, second, next_view)
     there = still_there(placement, next_placement)
-    moved = _rigid_motions(covered, _states(placement, next_placement, there), next_view)
-    arrays = _motion_arrays(covered, placement, moved, next_face, surroundings)
+    moved = _rigid_motions(covered, grains.diameter, _states(placement, next_placement, there), next_view)
+    filled = _filled_voids(covered)
+    seen = np.zeros(grains.count, np.uint8)
+    seen[covered.tiled.grain[filled[filled >= 0]]] = 1
+    around = motion.surroundings(placement, second, seen)
+    arrays = _motion_arrays(covered, placement, moved, next_face, filled, around)
     arrays["mixed"] = _mixed(covered, moved, next_face, arrays["distance_to_implement"])
     arrays.update(_discontinuities(arrays))
     arrays["strain_rate"] /= abs(second - first)
@@ -221,41 +227,31 @@ def _placements(motion: "Motion", frames: set[int]) -> "dict[int, Placement]":
         placement = motion.advance(placement)
 
 
-@dataclass(frozen=True, eq=False)
-class _RigidMotions:
-    """Motion of the tiled grains, and its spread in each tile: see `truth_kernels.rigid_motions`."""
-
-    motion: "np.ndarray"
-    spread: "np.ndarray"
-
-
-def _rigid_motions(covered: "Cover", states: "tuple[np.ndarray, ...]", next_view: "View") -> _RigidMotions:
+def _rigid_motions(
+    covered: "Cover", diameter: "np.ndarray", states: "tuple[np.ndarray, ...]", next_view: "View"
+) -> "np.ndarray":
+    """Motion of every grain, (grain, 4) float32: see `truth_kernels.rigid_motions`."""
     import numpy as np
 
     from synth.camera import truth_kernels
 
-    tiled = covered.tiled
-    motion = np.empty((len(tiled.grain), 6), np.float32)
-    spread = np.empty(len(tiled.first) - 1, np.float32)
+    motion = np.empty((len(diameter), 4), np.float32)
     truth_kernels.rigid_motions(
-        tiled.first,
-        tiled.grain,
-        tiled.place,
-        covered.sampling,
+        diameter,
         *states,
         truth_kernels.projection.numbers(covered.view.numbers),
         truth_kernels.projection.numbers(next_view.numbers),
         motion,
-        spread,
     )
-    return _RigidMotions(motion, spread)
+    return motion
 
 
 def _motion_arrays(
     covered: "Cover",
     placement: "Placement",
-    moved: _RigidMotions,
+    motion: "np.ndarray",
     next_face: "ImplementFace | None",
+    filled: "np.ndarray",
     surroundings: "Surroundings",
 ) -> "dict[str, np.ndarray]":
     import numpy as np
@@ -268,11 +264,11 @@ def _motion_arrays(
     }
     arrays["particle_id"] = np.empty(shape, np.int32)
     truth_kernels.grain_motion(
-        _filled_voids(covered),
+        filled,
         covered.tiled.grain,
         placement.x,
         placement.z,
-        moved.motion,
+        motion,
         truth_kernels.projection.numbers(covered.view.numbers),
         surroundings.strain,
         surroundings.particle,
@@ -378,7 +374,7 @@ def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[fl
 
 
 def _mixed(
-    covered: "Cover", moved: _RigidMotions, next_face: "ImplementFace | None", outside: "np.ndarray"
+    covered: "Cover", motion: "np.ndarray", next_face: "ImplementFace | None", outside: "np.ndarray"
 ) -> "np.ndarray":
     import numpy as np
 
@@ -392,10 +388,10 @@ def _mixed(
     mixed = np.empty(covered.centres.shape, np.uint8)
     truth_kernels.find_mixed(
         covered.samples,
-        tiled.columns,
         tiled.place,
-        moved.motion,
-        moved.spread,
+        tiled.grain,
+        motion,
+        _spread_in_blocks(covered, motion),
         outside,
         truth_kernels.body_vector(body),
         truth_kernels.projection.numbers(covered.view.numbers),
@@ -407,6 +403,32 @@ def _mixed(
         mixed,
     )
     return mixed.view(bool)
+
+
+def _spread_in_blocks(covered: "Cover", motion: "np.ndarray") -> "np.ndarray":
+    """See `truth_kernels.spread_in_blocks`."""
+    import numpy as np
+
+    from synth.camera import truth_kernels
+    from synth.camera.tiles import TILE
+
+    tiled, across = covered.tiled, TILE // truth_kernels.BLOCK
+    rows = (len(tiled.first) - 1) // tiled.columns
+    spread = np.empty((rows * across, tiled.columns * across), np.float32)
+    scratch = np.empty((2, spread.size, 4), np.float32)
+    truth_kernels.spread_in_blocks(
+        tiled.first,
+        tiled.columns,
+        tiled.grain,
+        tiled.place,
+        motion,
+        TILE,
+        covered.sampling,
+        scratch[0],
+        scratch[1],
+        spread,
+    )
+    return spread
 
 
 def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]":

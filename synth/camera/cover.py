@@ -82,7 +82,17 @@ def cover(
     samples = np.empty(shape, np.int32) if reuse is None else reuse.samples
     centres = np.empty((view.height, view.width), np.int32)
     cover_kernels.cover_by_grains(
-        tiled.first, tiled.columns, tiled.place, tiled.key, sampling, margin, TILE, samples, centres
+        tiled.first,
+        tiled.columns,
+        tiled.place,
+        tiled.key,
+        sampling,
+        margin,
+        TILE,
+        samples.shape[1],
+        centres.shape[1],
+        samples.ravel(),
+        centres.ravel(),
     )
     if face is not None:
         numbers = cover_kernels.projection.numbers(view.numbers)

@@ -48,6 +48,71 @@ def fill_discs(x: _f64, y: _f64, radius: _f64, mask: _u8_table):
                 mask[j, i] = ti.u8(1)
 
 
+@ti.func
+def _cover_window(
+    samples: ti.template(), start, stride, height, width, x, y, radius, depth, size: ti.template()
+):
+    """Put a disc that `size` samples in a row and as many rows hold into a tile that starts at `start`.
+
+    The square of samples around it is shifted into the tile. Neither loop nor branch: which samples lie in
+    a small disc is too irregular to be foreseen.
+    """
+    low_i = ti.max(ti.min(ti.cast(ti.ceil(x - radius), ti.i32), width - size), 0)
+    low_j = ti.max(ti.min(ti.cast(ti.ceil(y - radius), ti.i32), height - size), 0)
+    at = start + low_j * stride + low_i
+    off_x, off_y, square = ti.cast(low_i, ti.f32) - x, ti.cast(low_j, ti.f32) - y, radius * radius
+    for b in ti.static(range(size)):
+        down = off_y + ti.cast(b, ti.f32)
+        rest = square - down * down
+        for a in ti.static(range(size)):
+            across = off_x + ti.cast(a, ti.f32)
+            own = ti.select(across * across <= rest, depth, NOTHING)
+            samples[at + a] = ti.min(samples[at + a], own)
+        at += stride
+
+
+@ti.func
+def _cover_box(samples: ti.template(), start, stride, height, width, x, y, radius, depth):
+    """Put a disc of any size into a tile that starts at `start`."""
+    low_j = ti.max(ti.cast(ti.ceil(y - radius), ti.i32), 0)
+    high_j = ti.min(ti.cast(ti.floor(y + radius), ti.i32), height - 1) + 1
+    for j in range(low_j, high_j):
+        down = ti.cast(j, ti.f32) - y
+        half = ti.sqrt(ti.max(radius * radius - down * down, ti.f32(0.0)))
+        low_i = ti.max(ti.cast(ti.ceil(x - half), ti.i32), 0)
+        high_i = ti.min(ti.cast(ti.floor(x + half), ti.i32), width - 1) + 1
+        at = start + j * stride
+        for i in range(at + low_i, at + high_i):
+            samples[i] = ti.min(samples[i], depth)
+
+
+@ti.func
+def _cover_centres(centres: ti.template(), start, stride, box, x, y, radius, depth):
+    """Put a disc into the pixel centres of a tile: x, y and radius in px from the tile's first centre.
+
+    `box` holds the first and last column and row of the tile that are the picture's; `start` is the place of
+    the tile's first centre.
+    """
+    square = radius * radius
+    if radius < ti.f32(0.5):  # one centre at most, the nearest: no branch
+        i = ti.max(ti.min(ti.cast(ti.floor(x + ti.f32(0.5)), ti.i32), box[1]), box[0])
+        j = ti.max(ti.min(ti.cast(ti.floor(y + ti.f32(0.5)), ti.i32), box[3]), box[2])
+        across, down = ti.cast(i, ti.f32) - x, ti.cast(j, ti.f32) - y
+        own = ti.select(across * across + down * down <= square, depth, NOTHING)
+        centres[start + j * stride + i] = ti.min(centres[start + j * stride + i], own)
+    else:
+        low_i = ti.max(ti.cast(ti.ceil(x - radius), ti.i32), box[0])
+        high_i = ti.min(ti.cast(ti.floor(x + radius), ti.i32), box[1])
+        low_j = ti.max(ti.cast(ti.ceil(y - radius), ti.i32), box[2])
+        high_j = ti.min(ti.cast(ti.floor(y + radius), ti.i32), box[3])
+        for j in range(low_j, high_j + 1):
+            down = ti.cast(j, ti.f32) - y
+            for i in range(low_i, high_i + 1):
+                across = ti.cast(i, ti.f32) - x
+                own = ti.select(across * across + down * down <= square, depth, NOTHING)
+                centres[start + j * stride + i] = ti.min(centres[start + j * stride + i], own)
+
+
 @ti.kernel
 def cover_by_grains(
     first: _i32,
@@ -57,59 +122,67 @@ def cover_by_grains(
     sampling: ti.template(),
     margin: ti.i32,
     tile: ti.template(),
-    samples: _i32_table,
-    centres: _i32_table,
+    sample_columns: ti.i32,
+    pixel_columns: ti.i32,
+    samples: _i32,
+    centres: _i32,
 ):
-    """Clear every tile, and put its grains' discs into its samples and pixel centres."""
+    """Clear every tile, and put its grains' discs into its samples and pixel centres.
+
+    `samples` and `centres` are the tables, flat, of rows as long as told.
+    """
     side = tile * sampling
     per_pixel, middle = ti.f32(1.0 / sampling), ti.f32(0.5 * (sampling - 1))
+    sample_rows, pixel_rows = samples.shape[0] // sample_columns, centres.shape[0] // pixel_columns
     for share in range((first.shape[0] - 1) * SHARES):
         if share % SHARES != 0:
             continue
         t = share // SHARES
         row, column = (t // columns) * side, (t % columns) * side
-        height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
-        above, left = margin - (t // columns) * tile, margin - (t % columns) * tile
+        height, width = ti.min(side, sample_rows - row), ti.min(side, sample_columns - column)
+        start = row * sample_columns + column
         for j in range(height):
             for i in range(width):
-                samples[row + j, column + i] = NOTHING
-        for j in range(ti.max(above, 0), ti.min(tile, centres.shape[0] + above)):
-            for i in range(ti.max(left, 0), ti.min(tile, centres.shape[1] + left)):
-                centres[j - above, i - left] = NOTHING
+                samples[start + j * sample_columns + i] = NOTHING
+        # Columns and rows of the tile's pixels that are the picture's, not the margin's.
+        above, left = margin - (t // columns) * tile, margin - (t % columns) * tile
+        box = ti.Vector(
+            [
+                ti.max(left, 0),
+                ti.min(tile, pixel_columns + left) - 1,
+                ti.max(above, 0),
+                ti.min(tile, pixel_rows + above) - 1,
+            ]
+        )
+        in_picture = box[0] <= box[1] and box[2] <= box[3]
+        corner = -above * pixel_columns - left
+        for j in range(box[2], box[3] + 1):
+            for i in range(box[0], box[1] + 1):
+                centres[corner + j * pixel_columns + i] = NOTHING
         for k in range(first[t], first[t + 1]):
-            x, y, radius = place[k, 0], place[k, 1], place[k, 2]
-            square, depth = radius * radius, key[k]
-            low_i = ti.max(ti.cast(ti.ceil(x - radius), ti.i32), 0)
-            high_i = ti.min(ti.cast(ti.floor(x + radius), ti.i32), width - 1) + 1
-            low_j = ti.max(ti.cast(ti.ceil(y - radius), ti.i32), 0)
-            high_j = ti.min(ti.cast(ti.floor(y + radius), ti.i32), height - 1) + 1
-            for j in range(low_j, high_j):
-                down = ti.cast(j, ti.f32) - y
-                rest = square - down * down
-                for i in range(low_i, high_i):
-                    across = ti.cast(i, ti.f32) - x
-                    # Without a branch: which samples lie in a disc is too irregular to be foreseen.
-                    own = ti.select(across * across <= rest, depth, NOTHING)
-                    samples[row + j, column + i] = ti.min(samples[row + j, column + i], own)
-            # The same for pixel centres, which lie at `middle` + n S of the samples.
-            low_i = ti.max(ti.cast(ti.ceil((x - radius - middle) * per_pixel), ti.i32), 0, left)
-            high_i = ti.min(
-                ti.cast(ti.floor((x + radius - middle) * per_pixel), ti.i32),
-                tile - 1,
-                centres.shape[1] - 1 + left,
-            )
-            low_j = ti.max(ti.cast(ti.ceil((y - radius - middle) * per_pixel), ti.i32), 0, above)
-            high_j = ti.min(
-                ti.cast(ti.floor((y + radius - middle) * per_pixel), ti.i32),
-                tile - 1,
-                centres.shape[0] - 1 + above,
-            )
-            for j in range(low_j, high_j + 1):
-                down = ti.cast(j * sampling, ti.f32) + middle - y
-                for i in range(low_i, high_i + 1):
-                    across = ti.cast(i * sampling, ti.f32) + middle - x
-                    if across * across + down * down <= square and centres[j - above, i - left] > depth:
-                        centres[j - above, i - left] = depth
+            x, y, radius, depth = place[k, 0], place[k, 1], place[k, 2], key[k]
+            # The grains of a tile come by size, mostly: these branches can be foreseen.
+            if radius < ti.f32(1.0):
+                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 2)
+            elif radius < ti.f32(1.5):
+                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 3)
+            elif radius < ti.f32(2.0):
+                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 4)
+            elif radius < ti.f32(3.0) and ti.min(height, width) >= 6:
+                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 6)
+            else:
+                _cover_box(samples, start, sample_columns, height, width, x, y, radius, depth)
+            if in_picture:
+                _cover_centres(
+                    centres,
+                    corner,
+                    pixel_columns,
+                    box,
+                    (x - middle) * per_pixel,
+                    (y - middle) * per_pixel,
+                    radius * per_pixel,
+                    depth,
+                )
 
 
 @ti.func

@@ -38,9 +38,9 @@ class Exchanging:
         left = stream.random(len(moved.x), dtype=np.float32) < self._rate
         return replace(moved, generation=placement.generation + left)
 
-    def surroundings(self, placement: "Placement", second: int) -> "Surroundings":
+    def surroundings(self, placement: "Placement", second: int, seen: np.ndarray) -> "Surroundings":
         """Particles around the grains, and how they deform up to the frame `second`."""
-        return self._motion.surroundings(placement, second)
+        return self._motion.surroundings(placement, second, seen)
 
 
 def grains_at(grains: "MicroGrains", placement: "Placement") -> "MicroGrains":

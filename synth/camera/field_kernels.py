@@ -22,9 +22,10 @@ _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 grid_vector = ti.types.vector(3, ti.f64)
 shape_vector = ti.types.vector(2, ti.i32)
 
-NOWHERE, FREE, BESIDE, INNER = 0, 1, 2, 3
-"""A node without a particle near, one with, one beside the implement, whose value holds on its side only, and
-one that is free with all around it."""
+NOWHERE, FREE, CLOSE, BESIDE, INNER = 0, 1, 2, 3, 4
+"""A node without a particle near, one with, one with a particle so close that every point around the node has
+it near, one beside the implement, whose value holds on its side only, and a close one with all around it free
+or close."""
 
 
 @ti.func
@@ -263,7 +264,8 @@ def _blend(
     reach,
     parts: ti.template(),
 ):
-    """Displacement, turn and strain at a place, the nearest particle (-1: none), the implement's distance.
+    """Displacement, turn and strain at a place, the nearest particle (-1: none), and how far that and the
+    implement are.
 
     A partition of unity over the affine motions of the particles within reach that the implement does not
     hide. The weights are Wendland's C2 function of the distance.
@@ -297,7 +299,7 @@ def _blend(
         strain = _shear_strain(stretch)
     else:
         nearest = -1
-    return ti.Vector([blended[0], blended[1], turn, strain, ti.cast(nearest, ti.f64), eye[2]])
+    return ti.Vector([blended[0], blended[1], turn, strain, ti.cast(nearest, ti.f64), ti.sqrt(closest), eye[2]])
 
 
 @ti.kernel
@@ -344,13 +346,15 @@ def blend_at_nodes(
             state[j, i] = ti.u8(NOWHERE)
             if nearest[j, i] >= 0:
                 state[j, i] = ti.u8(FREE)
-            if found[5] < 3.0 * spacing:
+                if found[5] + spacing < reach:
+                    state[j, i] = ti.u8(CLOSE)
+            if found[6] < 3.0 * spacing:
                 state[j, i] = ti.u8(BESIDE)
 
 
 @ti.kernel
 def find_inner(state: _u8_table):
-    """Mark the free nodes between free ones; a thread's own mark does not change what others find."""
+    """Mark the close nodes between free ones; a thread's own mark does not change what others find."""
     for share in range((state.shape[0] - 2) * SHARES):
         if share % SHARES != 0:
             continue
@@ -360,8 +364,49 @@ def find_inner(state: _u8_table):
             for n in ti.static(range(9)):
                 around = state[j + n // 3 - 1, i + n % 3 - 1]
                 free = free and around != NOWHERE and around != BESIDE
-            if free:
+            if free and state[j, i] == CLOSE:
                 state[j, i] = ti.u8(INNER)
+
+
+@ti.func
+def _spline(s, t, i, j, inner, value: ti.template(), nearest: ti.template()):
+    """Quadratic B-splines over the nodes around (i, j) that have a particle near, at (s, t) in node spacings."""
+    a, b = s - i, t - j
+    across = ti.Vector([0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)])
+    upwards = ti.Vector([0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)])
+    blended = ti.Vector.zero(ti.f64, 4)
+    if inner:
+        for n in ti.static(range(3)):
+            row = ti.Vector.zero(ti.f64, 4)
+            for m in ti.static(range(3)):
+                row += across[m] * value[j + n - 1, i + m - 1]
+            blended += upwards[n] * row
+    else:
+        whole = 0.0
+        for n in ti.static(range(3)):
+            for m in ti.static(range(3)):
+                if nearest[j + n - 1, i + m - 1] >= 0:
+                    weight = across[m] * upwards[n]
+                    whole += weight
+                    blended += weight * value[j + n - 1, i + m - 1]
+        if whole > 0.0:
+            blended /= whole
+    return blended
+
+
+@ti.func
+def _nearest_of(p, q, s, t, x: ti.template(), z: ti.template(), nearest: ti.template(), reach):
+    """Nearest to a point of the particles that are nearest to the four nodes around it; -1: none in reach."""
+    closest, near, last = reach * reach, -1, -1
+    low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
+    for n in ti.static(range(4)):
+        candidate = nearest[low_j + n // 2, low_i + n % 2]
+        if candidate >= 0 and candidate != last:
+            square = (p - x[candidate]) ** 2 + (q - z[candidate]) ** 2
+            if square < closest:
+                closest, near = square, candidate
+        last = candidate
+    return near
 
 
 @ti.kernel
@@ -370,6 +415,59 @@ def carry(
     at_z: _f64,
     angle: _f64,
     alive: _u8,
+    x: _f64,
+    z: _f64,
+    moved_x: _f64,
+    moved_z: _f64,
+    gradient: _f64_block,
+    first: _i32,
+    grid: grid_vector,
+    shape: shape_vector,
+    reach: ti.f64,
+    parts: _f64_table,
+    left: ti.f64,
+    bottom: ti.f64,
+    spacing: ti.f64,
+    value: _f64_fours,
+    nearest: _i32_table,
+    state: _u8_table,
+    next_x: _f64,
+    next_z: _f64,
+    next_angle: _f64,
+    next_alive: _u8,
+):
+    """Move points by quadratic B-splines over nodes; beside the implement, by the particles themselves.
+
+    Nodes without a particle near do not count. A point without one is lost.
+    """
+    per_spacing = 1.0 / spacing
+    for g in range(at_x.shape[0]):
+        p, q = at_x[g], at_z[g]
+        u, v, turn, lives = 0.0, 0.0, 0.0, False
+        s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
+        i, j = int(ti.round(s)), int(ti.round(t))
+        if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
+            kind = state[j, i]
+            if kind == BESIDE:
+                found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
+                u, v, turn, lives = found[0], found[1], found[2], found[4] >= 0.0
+            else:
+                blended = _spline(s, t, i, j, kind == INNER, value, nearest)
+                u, v, turn = blended[0], blended[1], blended[2]
+                lives = kind == INNER or kind == CLOSE
+                if not lives:
+                    lives = _nearest_of(p, q, s, t, x, z, nearest, reach) >= 0
+        if not lives:
+            u, v, turn = 0.0, 0.0, 0.0
+        next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
+        next_alive[g] = ti.cast(lives, ti.u8)
+
+
+@ti.kernel
+def look_around(
+    at_x: _f64,
+    at_z: _f64,
+    chosen: _u8,
     x: _f64,
     z: _f64,
     moved_x: _f64,
@@ -387,56 +485,28 @@ def carry(
     value: _f64_fours,
     nearest: _i32_table,
     state: _u8_table,
-    next_x: _f64,
-    next_z: _f64,
-    next_angle: _f64,
-    next_alive: _u8,
     strain: _f32,
     particle: _i32,
 ):
-    """Move points by quadratic B-splines over nodes; beside the implement, by the particles themselves.
-
-    Nodes without a particle near do not count. A point without one is lost.
-    """
+    """Strain at chosen points, and the nearest particle (-1: none), as `carry` takes them."""
+    per_spacing = 1.0 / spacing
     for g in range(at_x.shape[0]):
-        p, q = at_x[g], at_z[g]
-        u, v, turn, strained, near = 0.0, 0.0, 0.0, 0.0, -1
-        s, t = (p - left) / spacing, (q - bottom) / spacing
-        i, j = int(ti.round(s)), int(ti.round(t))
-        if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
-            if state[j, i] == BESIDE:
-                found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
-                u, v, turn, strained, near = found[0], found[1], found[2], found[3], int(found[4])
-            else:
-                inner = state[j, i] == INNER
-                a, b = s - i, t - j
-                across = ti.Vector([0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)])
-                upwards = ti.Vector([0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)])
-                whole, closest, blended = 0.0, reach * reach, ti.Vector.zero(ti.f64, 4)
-                for n in ti.static(range(3)):
-                    for m in ti.static(range(3)):
-                        row, column = j + n - 1, i + m - 1
-                        if inner or nearest[row, column] >= 0:
-                            weight = across[m] * upwards[n]
-                            whole += weight
-                            blended += weight * value[row, column]
-                if not inner and whole > 0.0:
-                    blended /= whole
-                u, v, turn, strained = blended[0], blended[1], blended[2], blended[3]
-                last = -1
-                low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
-                for n in ti.static(range(4)):
-                    candidate = nearest[low_j + n // 2, low_i + n % 2]
-                    if candidate >= 0 and candidate != last:
-                        square = (p - x[candidate]) ** 2 + (q - z[candidate]) ** 2
-                        if square < closest:
-                            closest, near = square, candidate
-                    last = candidate
-        strain[g], particle[g], next_alive[g] = ti.cast(strained, ti.f32), -1, ti.u8(0)
-        next_x[g], next_z[g], next_angle[g] = p, q, angle[g]
+        strained, near = 0.0, -1
+        if chosen[g] == 1:
+            p, q = at_x[g], at_z[g]
+            s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
+            i, j = int(ti.round(s)), int(ti.round(t))
+            if 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
+                kind = state[j, i]
+                if kind == BESIDE:
+                    found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
+                    strained, near = found[3], int(found[4])
+                else:
+                    strained = _spline(s, t, i, j, kind == INNER, value, nearest)[3]
+                    near = _nearest_of(p, q, s, t, x, z, nearest, reach)
+        strain[g], particle[g] = ti.cast(strained, ti.f32), -1
         if near >= 0:
-            particle[g], next_alive[g] = order[near], ti.u8(1)
-            next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
+            particle[g] = order[near]
 
 
 @ti.func

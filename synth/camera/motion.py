@@ -5,7 +5,6 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from synth.camera import particle_field
 from synth.camera.exchange import Exchanging
 from synth.camera.particle_field import ParticleField
 
@@ -42,7 +41,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The particles around each micro-grain between two frames; shape (grain,) each.
+    """The particles around the micro-grains that are seen, between two frames; shape (grain,) each.
 
     Attributes
     ----------
@@ -67,8 +66,11 @@ class Motion(Protocol):
         """Placement one frame later."""
         ...
 
-    def surroundings(self, placement: Placement, second: int) -> Surroundings:
-        """Particles around the grains, and how they deform up to the frame `second`."""
+    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
+        """Particles around the grains, and how they deform up to the frame `second`.
+
+        Only those of grains where `seen`, (grain,) uint8, is 1 are asked for.
+        """
         ...
 
 
@@ -103,7 +105,7 @@ class OnPlate:
         """Placement one frame later."""
         return self._at(placement.frame + 1)
 
-    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
         """Nothing: a rigid plate has no particles and no strain."""
         return _none_around(self._grains.count)
 
@@ -120,10 +122,10 @@ class Carried:
 
     def __init__(self, recording: "Recording", grains: "MicroGrains", scene: "Scene") -> None:
         still = ParticleField(recording, 0, 0, scene)
-        first = still.carry(grains.x, grains.z, np.zeros(grains.count), _all_alive(grains))
-        self._recording, self._grains, self._owner = recording, grains, first.particle
+        owner, _ = still.look_around(grains.x, grains.z, _all_alive(grains))
+        self._recording, self._grains, self._owner = recording, grains, owner
         self._scene = scene
-        self._alive = (first.particle >= 0).astype("uint8")
+        self._alive = (owner >= 0).astype("uint8")
 
     def start(self) -> Placement:
         """Placement in the first frame."""
@@ -133,7 +135,7 @@ class Carried:
         """Placement one frame later."""
         return self._at(placement.frame + 1)
 
-    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
         """Carrying particle, and the strain of the particles around it."""
         strain = ParticleField(self._recording, placement.frame, second, self._scene).strain_of_particles()
         return Surroundings(self._owner, strain[self._owner])
@@ -154,7 +156,7 @@ class Interpolated:
 
     def __init__(self, recording: "Recording", grains: "MicroGrains", scene: "Scene") -> None:
         self._recording, self._grains, self._scene = recording, grains, scene
-        self._latest: tuple[Placement, particle_field.Carried] | None = None
+        self._latest: tuple[Placement, int, ParticleField] | None = None
 
     def start(self) -> Placement:
         """Placement in the first frame."""
@@ -163,25 +165,24 @@ class Interpolated:
 
     def advance(self, placement: Placement) -> Placement:
         """Placement one frame later."""
-        carried = self._carried(placement, placement.frame + 1)
-        return Placement(placement.frame + 1, carried.x, carried.z, carried.angle, carried.alive)
+        field = self._field(placement, placement.frame + 1)
+        moved = field.carry(placement.x, placement.z, placement.angle, placement.alive)
+        return Placement(placement.frame + 1, moved.x, moved.z, moved.angle, moved.alive)
 
-    def surroundings(self, placement: Placement, second: int) -> Surroundings:
+    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
         """Nearest particle, and the strain at the grain."""
-        carried = self._carried(placement, second)
-        return Surroundings(carried.particle, carried.strain)
+        chosen = seen & placement.alive
+        particle, strain = self._field(placement, second).look_around(placement.x, placement.z, chosen)
+        return Surroundings(particle, strain)
 
-    def _carried(self, placement: Placement, second: int) -> particle_field.Carried:
-        if second != placement.frame + 1:
-            return self._carried_anew(placement, second)
+    def _field(self, placement: Placement, second: int) -> ParticleField:
         # Asked for more than once: motion and surroundings.
-        if self._latest is None or self._latest[0].x is not placement.x:
-            self._latest = placement, self._carried_anew(placement, second)
-        return self._latest[1]
-
-    def _carried_anew(self, placement: Placement, second: int) -> particle_field.Carried:
-        field = ParticleField(self._recording, placement.frame, second, self._scene)
-        return field.carry(placement.x, placement.z, placement.angle, placement.alive)
+        latest = self._latest
+        if latest is None or latest[0].x is not placement.x or latest[1] != second:
+            around = placement.x, placement.z
+            field = ParticleField(self._recording, placement.frame, second, self._scene, around=around)
+            self._latest = latest = placement, second, field
+        return latest[2]
 
 
 def _turned(x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray") -> tuple["np.ndarray", "np.ndarray"]:

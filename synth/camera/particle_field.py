@@ -17,6 +17,9 @@ _BLEND_REACH = 1.75
 """A particle's affine motion acts up to this distance, in mean diameters: about ten act at any place."""
 _FLOOR = 0.05
 """Least spread of the neighbours, in squared mean diameters, that a fit trusts; a full ring has 0.3."""
+_NEAR = _BLEND_REACH + 3 * _FIT_REACH
+"""Mean diameters; particles further away do not matter: a blend of fits, among neighbours that are calmed by
+fits to their neighbours."""
 _NODE_SPACING = 1 / 3
 """Of the nodes the field is computed at, in mean diameters: a fifth of a particle's reach."""
 _LOOSE_RATIO = 5.0
@@ -37,18 +40,12 @@ class Carried:
         rad, counter-clockwise.
     alive : uint8
         0 for points without a particle near.
-    strain : float32
-        Equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement gradient.
-    particle : int32
-        Nearest particle; -1 for what is not alive.
     """
 
     x: "np.ndarray"
     z: "np.ndarray"
     angle: "np.ndarray"
     alive: "np.ndarray"
-    strain: "np.ndarray"
-    particle: "np.ndarray"
 
 
 @dataclass(frozen=True)
@@ -81,22 +78,35 @@ class ParticleField:
         1 for loose particles.
     """
 
-    def __init__(self, recording: "Recording", first: int, second: int, scene: "Scene") -> None:
+    def __init__(
+        self,
+        recording: "Recording",
+        first: int,
+        second: int,
+        scene: "Scene",
+        *,
+        around: "tuple[np.ndarray, np.ndarray] | None" = None,
+    ) -> None:
+        """Field from one frame to another; at points within the bounds of `around` (x, z, m), or anywhere."""
         import numpy as np
 
-        self._diameter = 2 * float(recording.data["radius"].median())
+        radius = recording.data["radius"].values
+        self._diameter = 2 * float(np.median(radius))
         x, z = _positions(recording, first)
         next_x, next_z = _positions(recording, second)
-        self._cells = _sort_into_cells(x, z, _BLEND_REACH * self._diameter)
-        order = self._cells.order
+        chosen = _within(x, z, around, _NEAR * self._diameter)
+        self._cells = _sort_into_cells(x[chosen], z[chosen], _BLEND_REACH * self._diameter)
+        order = chosen[self._cells.order]
+        self._order = order.astype(np.int32)
         self._x, self._z = x[order], z[order]
         self._moved_x, self._moved_z = (next_x - x)[order], (next_z - z)[order]
         self._parts = _implement_parts(recording, first, scene)
         loose = self._calm_loose()
-        self._gradient = np.empty((len(x), 2, 2))
+        self._gradient = np.empty((len(order), 2, 2))
         self._fit(loose)
-        self.loose = np.empty(len(x), np.uint8)
+        self.loose = np.zeros(len(x), np.uint8)
         self.loose[order] = loose
+        self._latest: tuple[np.ndarray, tuple[Any, ...]] | None = None
 
     def carry(self, x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray", alive: "np.ndarray") -> Carried:
         """Move the points `x`, `z` (m) with the angles `angle` (rad) where `alive` (uint8) is 1."""
@@ -105,14 +115,7 @@ class ParticleField:
         from synth.camera import field_kernels
 
         count = len(x)
-        carried = Carried(
-            x=np.empty(count),
-            z=np.empty(count),
-            angle=np.empty(count),
-            alive=np.empty(count, np.uint8),
-            strain=np.empty(count, np.float32),
-            particle=np.empty(count, np.int32),
-        )
+        carried = Carried(np.empty(count), np.empty(count), np.empty(count), np.empty(count, np.uint8))
         field_kernels.carry(
             x,
             z,
@@ -120,7 +123,6 @@ class ParticleField:
             alive,
             *self._particles,
             self._cells.first,
-            self._cells.order,
             *self._where,
             _BLEND_REACH * self._diameter,
             self._parts,
@@ -129,10 +131,37 @@ class ParticleField:
             carried.z,
             carried.angle,
             carried.alive,
-            carried.strain,
-            carried.particle,
         )
         return carried
+
+    def look_around(
+        self, x: "np.ndarray", z: "np.ndarray", chosen: "np.ndarray"
+    ) -> "tuple[np.ndarray, np.ndarray]":
+        """Particle nearest to points and the strain there, both (point,): int32, float32.
+
+        The strain is the equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement
+        gradient. Without a particle near, or where `chosen` (uint8) is not 1, they are -1 and 0.
+        """
+        import numpy as np
+
+        from synth.camera import field_kernels
+
+        particle, strain = np.empty(len(x), np.int32), np.empty(len(x), np.float32)
+        field_kernels.look_around(
+            x,
+            z,
+            chosen,
+            *self._particles,
+            self._cells.first,
+            self._order,
+            *self._where,
+            _BLEND_REACH * self._diameter,
+            self._parts,
+            *self._nodes(x, z),
+            strain,
+            particle,
+        )
+        return particle, strain
 
     @property
     def _particles(self) -> "tuple[np.ndarray, ...]":
@@ -193,6 +222,11 @@ class ParticleField:
 
     def _nodes(self, x: "np.ndarray", z: "np.ndarray") -> tuple[Any, ...]:
         """Left, bottom and spacing of the nodes around points; their values, nearest particles, states."""
+        if self._latest is None or self._latest[0] is not x:
+            self._latest = x, self._nodes_anew(x, z)
+        return self._latest[1]
+
+    def _nodes_anew(self, x: "np.ndarray", z: "np.ndarray") -> tuple[Any, ...]:
         import numpy as np
 
         from synth.camera import field_kernels
@@ -219,8 +253,8 @@ class ParticleField:
 
         gradient = self._gradient
         strain = np.hypot(gradient[:, 0, 0] - gradient[:, 1, 1], gradient[:, 0, 1] + gradient[:, 1, 0])
-        unsorted = np.empty(len(strain), np.float32)
-        unsorted[self._cells.order] = strain
+        unsorted = np.zeros(len(self.loose), np.float32)
+        unsorted[self._order] = strain
         return unsorted
 
 
@@ -236,6 +270,21 @@ def _implement_parts(recording: "Recording", frame: int, scene: "Scene") -> "np.
     at = (float(data["implement_x"].values[frame]), float(data["implement_z"].values[frame]))
     shape = scene.implement.shape.turned(float(data["implement_angle"].values[frame]))
     return np.column_stack([shape.start + at, shape.end + at, shape.radius])
+
+
+def _within(
+    x: "np.ndarray", z: "np.ndarray", around: "tuple[np.ndarray, np.ndarray] | None", reach: float
+) -> "np.ndarray":
+    """Particles within the bounds of points, or nearer to them than `reach` (m); all of them without points."""
+    import numpy as np
+
+    if around is None or len(around[0]) == 0:
+        return np.arange(len(x))
+    inside = np.ones(len(x), bool)
+    for particles, points in zip((x, z), around, strict=True):
+        inside &= (particles >= points.min() - reach) & (particles <= points.max() + reach)
+    # A field needs one particle at least, were it out of reach.
+    return np.flatnonzero(inside) if inside.any() else np.arange(len(x))
 
 
 def _positions(recording: "Recording", frame: int) -> tuple["np.ndarray", "np.ndarray"]:

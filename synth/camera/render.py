@@ -93,9 +93,8 @@ def _render_frames(
         if frame + 1 < count:
             with clock.stage("moving"):
                 following = motion.advance(placement)
-                around = motion.surroundings(placement, frame + 1)
             with clock.stage("truth"):
-                pair = pair_truth(scene, recording, covered, around, placement, following)
+                pair = pair_truth(scene, recording, grains, covered, motion, placement, following)
             writer.put(partial(_timed_truth, clock, truth, pair))
             placement, previous = following, placement
         if progress is not None:

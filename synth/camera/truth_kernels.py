@@ -14,12 +14,15 @@ _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
+_f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 body_vector = ti.types.vector(6, ti.f64)
 """The implement's argument of `find_mixed`."""
+BLOCK = 8
+"""px; side of the squares for which the spread of motions is bounded. A tile's is a multiple."""
 
 
 @ti.kernel
@@ -106,9 +109,11 @@ def _nearest_visible(
 def _spin(turn):
     """Cos - 1 and sin; by their series, to 1e-14, where the angle is small, as it mostly is."""
     square = turn * turn
-    result = ti.Vector([-square * (0.5 - square / 24.0), turn * (1.0 - square / 6.0 * (1.0 - square / 20.0))])
-    if square > 1e-4:
-        result = ti.Vector([-2.0 * ti.sin(0.5 * turn) ** 2, ti.sin(turn)])
+    half, sixth, twentieth, last = ti.f32(0.5), ti.f32(1 / 6), ti.f32(1 / 20), ti.f32(1 / 24)
+    result = ti.Vector([-square * (half - square * last), turn - turn * square * sixth * (1 - square * twentieth)])
+    if square > ti.f32(1e-4):
+        sine = ti.sin(half * turn)
+        result = ti.Vector([-2 * sine * sine, ti.sin(turn)])
     return result
 
 
@@ -122,10 +127,7 @@ def _rigid(off_x, off_y, move_x, move_y, cosine_less_one, sine):
 
 @ti.kernel
 def rigid_motions(
-    first: _i32,
-    grain: _i32,
-    place: _f32_table,
-    sampling: ti.template(),
+    diameter: _f64,
     x: _f64,
     z: _f64,
     angle: _f64,
@@ -135,31 +137,69 @@ def rigid_motions(
     next_alive: _u8,
     view: projection.numbers,
     next_view: projection.numbers,
-    motion: _f32_table,
-    spread: _f32,
+    motion: _f32_fours,
 ):
-    """Displacement of every tiled grain, cos - 1 and sin of its turn, 1 unless it is lost, and its turn.
+    """Displacement of every grain (px), its turn, and how far that moves its rim (px): -1 if it is lost."""
+    for g in range(x.shape[0]):
+        at = projection.to_image(view, x[g], z[g])
+        to = projection.to_image(next_view, next_x[g], next_z[g])
+        radius = 0.5 * diameter[g] * view[0]
+        if view[5] != 0.0:
+            radius *= projection.magnification(view, x[g], z[g])
+        turn = ti.cast(angle[g] - next_angle[g], ti.f32)  # the picture's angles go the other way round
+        # |cos - 1| + |sin| is not more than this.
+        swing = ti.min(ti.abs(turn) * (1 + ti.f32(0.5) * ti.abs(turn)), ti.f32(3.0))
+        rim = ti.select(next_alive[g] == 1, swing * ti.cast(radius, ti.f32), ti.f32(-1.0))
+        motion[g] = ti.Vector([ti.cast(to[0] - at[0], ti.f32), ti.cast(to[1] - at[1], ti.f32), turn, rim])
 
-    `spread` is, for every tile, a bound on how far apart the motions of its grains' points are, px.
+
+@ti.kernel
+def spread_in_blocks(
+    first: _i32,
+    columns: ti.i32,
+    grain: _i32,
+    place: _f32_table,
+    motion: _f32_fours,
+    tile: ti.template(),
+    sampling: ti.template(),
+    low: _f32_fours,
+    high: _f32_fours,
+    spread: _f32_table,
+):
+    """Bound on how far apart the motions are of all points of the grains that touch a block of pixels, px.
+
+    Blocks go from the margin's first pixel. `low` and `high` are scratch, one entry a block.
     """
+    per_block = ti.f32(1.0 / (BLOCK * sampling))
+    across = tile // BLOCK
     for share in range((first.shape[0] - 1) * SHARES):
         if share % SHARES != 0:
             continue
         t = share // SHARES
-        low, high, own = ti.Vector([1e30, 1e30]), ti.Vector([-1e30, -1e30]), 0.0
+        row, column = (t // columns) * across, (t % columns) * across
+        for j in range(row, row + across):
+            for i in range(column, column + across):
+                low[j * spread.shape[1] + i] = ti.Vector([ti.f32(1e30)] * 4)
+                high[j * spread.shape[1] + i] = ti.Vector([ti.f32(-1e30)] * 4)
         for k in range(first[t], first[t + 1]):
-            g = grain[k]
-            at = projection.to_image(view, x[g], z[g])
-            to = projection.to_image(next_view, next_x[g], next_z[g])
-            turn = angle[g] - next_angle[g]  # the picture's angles go the other way round
-            spin = _spin(turn)
-            motion[k, 0], motion[k, 1] = ti.cast(to[0] - at[0], ti.f32), ti.cast(to[1] - at[1], ti.f32)
-            motion[k, 2], motion[k, 3] = ti.cast(spin[0], ti.f32), ti.cast(spin[1], ti.f32)
-            motion[k, 4], motion[k, 5] = ti.cast(next_alive[g], ti.f32), ti.cast(turn, ti.f32)
-            if next_alive[g] == 1:
-                low, high = ti.min(low, to - at), ti.max(high, to - at)
-                own = ti.max(own, (ti.abs(spin[1]) - spin[0]) * place[k, 2] / sampling)
-        spread[t] = ti.cast((high - low).norm() + 2.0 * own, ti.f32)
+            moved = motion[grain[k]]
+            if moved[3] >= 0:
+                x, y, radius = place[k, 0], place[k, 1], place[k, 2]
+                low_i = ti.max(ti.cast(ti.floor((x - radius) * per_block), ti.i32), 0)
+                high_i = ti.min(ti.cast(ti.floor((x + radius) * per_block), ti.i32), across - 1)
+                low_j = ti.max(ti.cast(ti.floor((y - radius) * per_block), ti.i32), 0)
+                high_j = ti.min(ti.cast(ti.floor((y + radius) * per_block), ti.i32), across - 1)
+                for j in range(row + low_j, row + high_j + 1):
+                    for i in range(column + low_i, column + high_i + 1):
+                        n = j * spread.shape[1] + i
+                        low[n] = ti.min(low[n], moved)
+                        high[n] = ti.max(high[n], moved)
+        for j in range(row, row + across):
+            for i in range(column, column + across):
+                n = j * spread.shape[1] + i
+                span = ti.max(high[n] - low[n], ti.f32(0.0))
+                rim = ti.max(high[n][3], ti.f32(0.0))
+                spread[j, i] = ti.sqrt(span[0] * span[0] + span[1] * span[1]) + 2 * rim
 
 
 @ti.kernel
@@ -168,7 +208,7 @@ def grain_motion(
     grain: _i32,
     x: _f64,
     z: _f64,
-    motion: _f32_table,
+    motion: _f32_fours,
     view: projection.numbers,
     strain: _f32,
     particle: _i32,
@@ -193,12 +233,14 @@ def grain_motion(
             if k >= 0:
                 g = grain[k]
                 near = particle[g]
-                if motion[k, 4] > 0.0:
+                own = motion[g]
+                if own[3] >= 0:
                     at = projection.to_image(view, x[g], z[g])
                     off_x, off_y = ti.cast(i - at[0], ti.f32), ti.cast(j - at[1], ti.f32)
-                    moved = _rigid(off_x, off_y, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3])
+                    spin = _spin(own[2])
+                    moved = _rigid(off_x, off_y, own[0], own[1], spin[0], spin[1])
                     moved_u, moved_v = moved[0], moved[1]
-                    turned, strained = motion[k, 5], strain[g]
+                    turned, strained = own[2], strain[g]
             u[j, i], v[j, i], rotation[j, i], pixel_strain[j, i] = moved_u, moved_v, turned, strained
             pixel_particle[j, i] = near
 
@@ -209,6 +251,7 @@ def _sample_motion(
     b,
     samples: ti.template(),
     place: ti.template(),
+    grain: ti.template(),
     motion: ti.template(),
     body,
     view,
@@ -233,18 +276,20 @@ def _sample_motion(
         side, pixel = ti.static(tile * sampling), ti.f32(1.0 / sampling)
         off_x = (ti.cast(remainder(a, side), ti.f32) - place[k, 0]) * pixel
         off_y = (ti.cast(remainder(b, side), ti.f32) - place[k, 1]) * pixel
-        moved = _rigid(off_x, off_y, motion[k, 0], motion[k, 1], motion[k, 2], motion[k, 3])
-        result = ti.Vector([moved[0], moved[1], motion[k, 4]])
+        own = motion[grain[k]]
+        spin = _spin(own[2])
+        moved = _rigid(off_x, off_y, own[0], own[1], spin[0], spin[1])
+        result = ti.Vector([moved[0], moved[1], ti.select(own[3] >= 0, ti.f32(1.0), ti.f32(0.0))])
     return result
 
 
 @ti.kernel
 def find_mixed(
     samples: _i32_table,
-    columns: ti.i32,
     place: _f32_table,
-    motion: _f32_table,
-    spread: _f32,
+    grain: _i32,
+    motion: _f32_fours,
+    spread: _f32_table,
     outside: _f32_table,
     body: body_vector,
     view: projection.numbers,
@@ -257,7 +302,7 @@ def find_mixed(
 ):
     """Pixels with two samples whose motions are more than `limit` px apart.
 
-    `motion` and `spread` are those of `rigid_motions`, `outside` is the distance to the implement, px; `body`
+    `motion` and `spread` are those of `rigid_motions` and `spread_in_blocks`, `outside` is the distance to the implement, px; `body`
     holds the implement's reference point and its displacement, cos - 1 and sin of its turn.
     """
     for share in range(mixed.shape[0] * SHARES):
@@ -267,15 +312,16 @@ def find_mixed(
         for i in range(mixed.shape[1]):
             row, column = (j + margin) * sampling, (i + margin) * sampling
             found = ti.u8(0)
-            still = spread[(j + margin) // tile * columns + (i + margin) // tile] < limit
+            still = spread[(j + margin) // BLOCK, (i + margin) // BLOCK] < ti.f32(0.999) * limit
             if outside[j, i] >= 2.0 and not still:
-                still = _alike(row, column, samples, place, motion, index_mask, sampling, limit)
+                still = _alike(row, column, samples, grain, motion, index_mask, sampling, limit)
             if not still or outside[j, i] < 2.0:
                 found = _differs(
                     row,
                     column,
                     samples,
                     place,
+                    grain,
                     motion,
                     body,
                     view,
@@ -293,7 +339,7 @@ def _alike(
     row,
     column,
     samples: ti.template(),
-    place: ti.template(),
+    grain: ti.template(),
     motion: ti.template(),
     index_mask,
     sampling: ti.template(),
@@ -310,14 +356,14 @@ def _alike(
         for a in range(column, column + sampling):
             key = samples[b, a]
             if key != last and key != NOTHING:
-                k = key & index_mask
-                if motion[k, 4] > 0.0:
-                    centre = ti.Vector([motion[k, 0], motion[k, 1]])
+                moved = motion[grain[key & index_mask]]
+                if moved[3] >= 0:
+                    centre = ti.Vector([moved[0], moved[1]])
                     low, high = ti.min(low, centre), ti.max(high, centre)
-                    own = ti.max(own, (ti.abs(motion[k, 3]) - motion[k, 2]) * place[k, 2])
+                    own = ti.max(own, moved[3])
             last = key
     span = ti.max(high - low, ti.f32(0.0))
-    return span.norm() + ti.f32(2.0 / sampling) * own < ti.f32(0.999) * limit
+    return span.norm() + 2 * own < ti.f32(0.999) * limit
 
 
 @ti.func
@@ -326,6 +372,7 @@ def _differs(
     column,
     samples: ti.template(),
     place: ti.template(),
+    grain: ti.template(),
     motion: ti.template(),
     body,
     view,
@@ -341,7 +388,7 @@ def _differs(
     for b in range(row, row + sampling):
         for a in range(column, column + sampling):
             found = _sample_motion(
-                a, b, samples, place, motion, body, view, tile, index_mask, sampling, margin
+                a, b, samples, place, grain, motion, body, view, tile, index_mask, sampling, margin
             )
             low = ti.min(low, ti.select(found[2] > 0.0, found[:2], low))
             high = ti.max(high, ti.select(found[2] > 0.0, found[:2], high))
@@ -356,6 +403,7 @@ def _differs(
                 row + n // sampling,
                 samples,
                 place,
+                grain,
                 motion,
                 body,
                 view,
@@ -370,6 +418,7 @@ def _differs(
                     row + m // sampling,
                     samples,
                     place,
+                    grain,
                     motion,
                     body,
                     view,

@@ -7,7 +7,7 @@ from synth.deflate import deflated_chunk
 _GENERATOR = np.random.default_rng(4)
 CASES = {
     "noise": _GENERATOR.normal(size=(40, 70)).astype(np.float32),
-    "longer than a stored block": _GENERATOR.normal(size=(300, 400)).astype(np.float32),
+    "large": _GENERATOR.normal(size=(300, 400)).astype(np.float32),
     "constant": np.full((50, 60), np.nan, np.float32),
     "numbers": _GENERATOR.integers(-5, 9000, (33, 17), dtype=np.int32),
     "mask": _GENERATOR.integers(0, 2, (64, 48), dtype=np.int8),

@@ -1,3 +1,5 @@
+from types import SimpleNamespace
+
 import numpy as np
 import pytest
 
@@ -8,8 +10,12 @@ from synth.camera.texture import strew
 
 
 def carried(field, x, z):
-    """Displacement (point, 2), turn and strain of points that a field carries."""
-    return field.carry(x, z, np.zeros(len(x)), np.ones(len(x), np.uint8))
+    """Where a field carries points to, their turn, the nearest particle and the strain there."""
+    all_of_them = np.ones(len(x), np.uint8)
+    moved = field.carry(x, z, np.zeros(len(x)), all_of_them)
+    particle, strain = field.look_around(x, z, all_of_them)
+    assert np.array_equal(moved.alive == 1, particle >= 0)
+    return SimpleNamespace(**vars(moved), particle=particle, strain=strain)
 
 
 @pytest.fixture(scope="module")
@@ -40,6 +46,17 @@ def test_an_affine_field_is_met_exactly(cases, points, taichi):
     assert np.abs(moved.x - expected_x).max() < 1e-12
     assert np.abs(moved.z - expected_z).max() < 1e-12
     assert moved.strain == pytest.approx(np.hypot(0.05, 0.03), rel=1e-5)
+
+
+def test_a_field_around_points_is_the_same_as_one_of_all_particles(cases, taichi):
+    generator = np.random.default_rng(9)
+    case = cases.case(lambda x, z, k: (x + k * generator.normal(0, 2e-4, x.shape), z))
+    points = cases.centre[0] + generator.uniform(-4e-3, 4e-3, 500), np.full(500, cases.centre[1])
+    whole = carried(ParticleField(case.recording, 0, 1, case.scene), *points)
+    part = carried(ParticleField(case.recording, 0, 1, case.scene, around=points), *points)
+    for name in ("x", "z", "angle", "strain"):
+        assert np.allclose(getattr(part, name), getattr(whole, name), rtol=1e-9, atol=1e-12)
+    assert np.array_equal(part.particle, whole.particle)
 
 
 @pytest.mark.parametrize("angle", [-0.4, 0.02])
@@ -104,7 +121,7 @@ def test_carried_grains_are_rigid_with_their_particle(cases, taichi):
     grains = strew(cases.scene(), first_region(recording, cases.scene()))
     motion = Carried(recording, grains, cases.scene())
     start = motion.start()
-    owner = motion.surroundings(start, 1).particle
+    owner = motion.surroundings(start, 1, np.ones(grains.count, np.uint8)).particle
     after = motion.advance(start)
     square = (grains.x[:, None][:2000] - x) ** 2 + (grains.z[:, None][:2000] - z) ** 2
     assert np.array_equal(owner[:2000], square.argmin(axis=1))
