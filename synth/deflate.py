@@ -13,7 +13,7 @@ _LEVEL = 1  # ISA-L's: 0 is hardly faster, higher ones hardly smaller
 
 
 def deflated_chunk(values: "np.ndarray") -> bytes:
-    """The bytes of a chunk under the filters shuffle, which puts bytes of equal weight together, and deflate."""
+    """The bytes of a chunk under the filters shuffle (bytes of equal weight together) and deflate."""
     import cv2
     import numpy as np
     from isal import isal_zlib

@@ -445,6 +445,15 @@ def contact_sheet(
         list[str] | None,
         typer.Option("--scene", metavar="SCENE", help="Only this one; may repeat.", show_default=False),
     ] = None,
+    run: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--run",
+            metavar="OUT",
+            help="A run folder elsewhere, quick, whose recording stands for its scene; may repeat.",
+            show_default=False,
+        ),
+    ] = None,
     resume: Resume = True,
     threads: Threads = None,
     device: Device = "cpu",
@@ -458,12 +467,14 @@ def contact_sheet(
     from synth import scene_names
     from validation import chain
     from validation.contact_sheet import make_contact_sheet
+    from validation.manifest import Manifest
 
     terminal = Terminal(json=json)
     with terminal.working():
         names = scene or [*scene_names()]
+        options = {"resume": resume, "given": {Manifest.read(path).scene: path for path in run or []}}
         work = chain.Work(device, threads)
-        sheet = make_contact_sheet(out, names, resume=resume, work=work, terminal=terminal)
+        sheet = make_contact_sheet(out, names, **options, work=work, terminal=terminal)
     terminal.show(str(sheet))
     terminal.give({"schema_version": 1, "sheet": str(sheet), "scenes": names})
 

@@ -1,7 +1,7 @@
 """One picture of every shipped scene, clean and disturbed: a sheet to look over."""
 
 import tempfile
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -36,7 +36,13 @@ _QUALITY = 72
 
 
 def make_contact_sheet(
-    out: Path, names: Sequence[str], *, resume: bool = True, work: chain.Work, terminal: Terminal
+    out: Path,
+    names: Sequence[str],
+    *,
+    given: Mapping[str, Path] | None = None,
+    resume: bool = True,
+    work: chain.Work,
+    terminal: Terminal,
 ) -> Path:
     """Simulate what is missing, take the pictures, lay them out: OUT/contact-sheet.jpg and OUT/*.png.
 
@@ -47,6 +53,8 @@ def make_contact_sheet(
     ----------
     names : sequence of str
         Shipped scenes.
+    given : mapping, optional
+        Run folders elsewhere, by scene; their recordings are used.
 
     Returns
     -------
@@ -58,7 +66,8 @@ def make_contact_sheet(
         for number, name in enumerate(names, start=1):
             terminal.say(f"contact sheet: scene {number} of {len(names)}: {name}")
             scene = quick_scene(name)
-            with RunFolder.create(out / RUNS / name) as run:
+            place = (given or {}).get(name, out / RUNS / name)
+            with RunFolder.create(place) as run:
                 chain.simulate(run, scene, work=work, terminal=terminal, resume=resume)
                 rows[name] = _pictures(folder, scene, run)
         sheet = key_of(step="contact-sheet", made_by=package_version("softbed"), rows=_digests(folder, rows))
@@ -86,7 +95,7 @@ def draw_sheet(rows: "dict[str, list[Path]]") -> "Figure":
     several = {name: paths for name, paths in rows.items() if len(paths) > 1}
     single = [(name, paths[0]) for name, paths in rows.items() if len(paths) == 1]
     lines: list[list[tuple[str, Path]]] = [
-        [(f"{name}, {level}", path) for level, path in zip(LEVELS, paths, strict=True)]
+        [(f"{name}, {_soil_of(name)}, {level}", path) for level, path in zip(LEVELS, paths, strict=True)]
         for name, paths in several.items()
     ]
     lines += [single[k : k + columns] for k in range(0, len(single), columns)]
@@ -102,6 +111,15 @@ def draw_sheet(rows: "dict[str, list[Path]]") -> "Figure":
         for place, (title, path) in enumerate(shown):
             _show(grid[line, place], title, path)
     return figure
+
+
+def _soil_of(name: str) -> str:
+    from synth import load_scene
+    from synth.scene import Scene
+
+    scene = load_scene(name)
+    assert isinstance(scene, Scene)  # analytic ones have one picture
+    return scene.soil.name
 
 
 def _show(axes: "Axes", title: str, path: Path) -> None:

@@ -97,7 +97,7 @@ def cover(
     if face is not None:
         numbers = cover_kernels.projection.numbers(view.numbers)
         cover_kernels.cover_by_implement(
-            face.x, face.y, face.parts, numbers, sampling, margin, samples, centres
+            face.x, face.y, face.parts, numbers, sampling, margin, face.box(margin), samples, centres
         )
     soil = _soil(centres)
     return Cover(view, tiled, face, samples, centres, soil, sampling, margin)

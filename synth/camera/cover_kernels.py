@@ -24,6 +24,8 @@ _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
+box_vector = ti.types.vector(4, ti.i32)
+"""The box of `implement_radiance` and `cover_by_implement`."""
 
 
 @ti.func
@@ -228,20 +230,23 @@ def cover_by_implement(
     view: projection.numbers,
     sampling: ti.template(),
     margin: ti.i32,
+    box: box_vector,
     samples: _i32_table,
     centres: _i32_table,
 ):
     """Put an implement's side in front of everything.
 
+    `box` holds the first column, the row, and those after the last, of the buffer's pixels that it may be at.
+
     The distance to it changes by no more than one goes: pixels further from its outline than their corners
     need one look, not one a sample.
     """
     corner = 1.0  # px; half a pixel's diagonal, and what distortion stretches it by
-    for share in range((samples.shape[0] // sampling) * SHARES):
+    for share in range((box[3] - box[1]) * SHARES):
         if share % SHARES != 0:
             continue
-        j = share // SHARES
-        for i in range(samples.shape[1] // sampling):
+        j = box[1] + share // SHARES
+        for i in range(box[0], box[2]):
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
             outline = away(at[0] - x, at[1] - y, parts)
             if outline <= corner:

@@ -264,11 +264,11 @@ def _blend(
     reach,
     parts: ti.template(),
 ):
-    """Displacement, turn and strain at a place, the nearest particle (-1: none), and how far that and the
-    implement are.
+    """Displacement, turn and strain at a place, the nearest particle (-1: none), and two distances.
 
     A partition of unity over the affine motions of the particles within reach that the implement does not
-    hide. The weights are Wendland's C2 function of the distance.
+    hide. The weights are Wendland's C2 function of the distance. The two distances are the nearest particle's
+    and the implement's.
     """
     eye = _outside(at_x, at_z, parts)
     blended, stretch = ti.Vector.zero(ti.f64, 2), ti.Matrix.zero(ti.f64, 2, 2)
@@ -299,7 +299,9 @@ def _blend(
         strain = _shear_strain(stretch)
     else:
         nearest = -1
-    return ti.Vector([blended[0], blended[1], turn, strain, ti.cast(nearest, ti.f64), ti.sqrt(closest), eye[2]])
+    return ti.Vector(
+        [blended[0], blended[1], turn, strain, ti.cast(nearest, ti.f64), ti.sqrt(closest), eye[2]]
+    )
 
 
 @ti.kernel
@@ -370,7 +372,7 @@ def find_inner(state: _u8_table):
 
 @ti.func
 def _spline(s, t, i, j, inner, value: ti.template(), nearest: ti.template()):
-    """Quadratic B-splines over the nodes around (i, j) that have a particle near, at (s, t) in node spacings."""
+    """Quadratic B-splines over the nodes around (i, j) that have a particle near, at (s, t) in spacings."""
     a, b = s - i, t - j
     across = ti.Vector([0.5 * (0.5 - a) * (0.5 - a), 0.75 - a * a, 0.5 * (0.5 + a) * (0.5 + a)])
     upwards = ti.Vector([0.5 * (0.5 - b) * (0.5 - b), 0.75 - b * b, 0.5 * (0.5 + b) * (0.5 + b)])
@@ -454,7 +456,7 @@ def carry(
             else:
                 blended = _spline(s, t, i, j, kind == INNER, value, nearest)
                 u, v, turn = blended[0], blended[1], blended[2]
-                lives = kind == INNER or kind == CLOSE
+                lives = kind != FREE and kind != NOWHERE
                 if not lives:
                     lives = _nearest_of(p, q, s, t, x, z, nearest, reach) >= 0
         if not lives:

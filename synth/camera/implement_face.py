@@ -1,7 +1,7 @@
 """The implement as the camera sees it: its side against the glass."""
 
 from dataclasses import dataclass, replace
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 from synth.camera import rim_face
 from synth.camera.view import View
@@ -46,6 +46,24 @@ class ImplementFace:
     def padded(self, pad: int) -> "ImplementFace":
         """The same in a picture with `pad` px more on every side."""
         return replace(self, x=self.x + pad, y=self.y + pad, view=self.view.padded(pad))
+
+    def box(self, margin: int) -> Any:
+        """Pixels that the implement may be at, for kernels: first column and row, and those after the last.
+
+        Counted from the first pixel of a buffer with `margin` px more than the picture on every side.
+        """
+        import numpy as np
+
+        from synth.camera import cover_kernels
+
+        width, height = self.view.width + 2 * margin, self.view.height + 2 * margin
+        if self.view.distortion != 0:
+            return cover_kernels.box_vector((0, 0, width, height))
+        reach = self.parts[:, 4:5] + 2
+        ends = self.parts[:, :4].reshape(-1, 2, 2) + np.array([self.x + margin, self.y + margin])
+        low, high = (ends.min(axis=1) - reach).min(axis=0), (ends.max(axis=1) + reach).max(axis=0)
+        low, high = (np.clip(edge, 0, (width, height)).astype(int) for edge in (low, high))
+        return cover_kernels.box_vector((*low.tolist(), *high.tolist()))
 
     def distance(self) -> "np.ndarray":
         """Distance of every pixel's centre to the implement, px of an ideal lens: (H, W) float32, 0 on it."""

@@ -9,7 +9,7 @@ import math
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.cover_kernels import IMPLEMENT, NOTHING
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, box_vector
 from synth.camera.shares import SHARES
 
 RIM = 0.05
@@ -19,7 +19,7 @@ _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
-_f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
+_f32_eights = ti.types.ndarray(dtype=ti.types.vector(8, ti.f32), ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 
@@ -33,23 +33,33 @@ def turn_faces(
     slope_y: _f32,
     brightness: _f32,
     intensity: ti.f32,
+    ambient: ti.f32,
     roundness: ti.f32,
-    face: _f32_fours,
+    face: _f32_eights,
 ):
-    """Columns of `face` for the tiled grains: light in full, slopes after a turn by `angle`, bend a sample.
+    """All that the light of a tiled grain's samples needs, in columns of `face`.
 
-    `angle` is counter-clockwise in the world, so from y towards x of the picture.
+    Centre times bend along x and y, and the bend of a sample; slopes along x and y after a turn by `angle`,
+    which is counter-clockwise in the world, so from y towards x of the picture; light from everywhere, and
+    that of the lamps in full.
     """
+    zero = ti.f32(0.0)
     for k in range(grain.shape[0]):
         g = grain[k]
         turn = ti.cast(-angle[g], ti.f32)
         cosine, sine = ti.cos(turn), ti.sin(turn)
+        bend = roundness / place[k, 2]
+        full = intensity * brightness[g]
         face[k] = ti.Vector(
             [
-                intensity * brightness[g],
+                bend * place[k, 0],
+                bend * place[k, 1],
+                bend,
                 cosine * slope_x[g] - sine * slope_y[g],
                 sine * slope_x[g] + cosine * slope_y[g],
-                roundness / place[k, 2],
+                ambient * full,
+                (1 - ambient) * full,
+                zero,
             ]
         )
 
@@ -59,12 +69,10 @@ def grain_radiance(
     samples: _i32_table,
     columns: ti.i32,
     tile: ti.template(),
-    place: _f32_table,
-    face: _f32_fours,
+    face: _f32_eights,
     index_mask: ti.i32,
     behind: _f32_table,
     sampling: ti.template(),
-    ambient: ti.f32,
     lamp_side: ti.f32,
     lamp_front: ti.f32,
     radiance: _f32_table,
@@ -74,7 +82,6 @@ def grain_radiance(
     A grain is a flattened half sphere with a tilted face; the lamps' directions are (-+lamp_side, 0,
     lamp_front), the last towards the camera.
     """
-    zero, one, rim, diffuse = ti.f32(0.0), ti.f32(1.0), ti.f32(RIM), ti.f32(1.0) - ambient
     side = tile * sampling
     down_tiles = (samples.shape[0] + side - 1) // side
     for share in range((columns * down_tiles) * SHARES):
@@ -84,25 +91,34 @@ def grain_radiance(
         row, column = (t // columns) * side, (t % columns) * side
         height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
         for j in range(height):
+            down_in_tile = ti.cast(j, ti.f32)
             for pixel in range(width // sampling):
                 back = behind[(row + j) // sampling, column // sampling + pixel]
-                for a in ti.static(range(sampling)):
-                    # Without a branch: where one grain ends and another begins cannot be foreseen.
-                    i = pixel * sampling + a
-                    depth = samples[row + j, column + i]
-                    grain = depth != NOTHING and depth != IMPLEMENT
-                    k = ti.select(grain, depth & index_mask, 0)
-                    light, scale = face[k][0], face[k][3]
-                    off_x = (ti.cast(i, ti.f32) - place[k, 0]) * scale
-                    off_y = (ti.cast(j, ti.f32) - place[k, 1]) * scale
-                    front = ti.sqrt(ti.max(one - off_x * off_x - off_y * off_y, zero)) + rim
-                    across, down = off_x + face[k][1], off_y + face[k][2]
-                    lit, aside = front * lamp_front, across * lamp_side
-                    lamps = ti.max(lit - aside, zero) + ti.max(lit + aside, zero)
-                    shorter = ti.rsqrt(across * across + down * down + front * front)
-                    radiance[row + j, column + i] = ti.select(
-                        grain, light * (ambient + diffuse * lamps * shorter), back
-                    )
+                keys = ti.Vector([samples[row + j, column + pixel * sampling + a] for a in range(sampling)])
+                if keys.max() != IMPLEMENT and keys.min() != NOTHING:
+                    for a in ti.static(range(sampling)):
+                        # Without a branch: where one grain ends and another begins cannot be foreseen.
+                        grain = keys[a] != NOTHING and keys[a] != IMPLEMENT
+                        shown = face[ti.select(grain, keys[a] & index_mask, 0)]
+                        light = _light_of(
+                            shown, ti.cast(pixel * sampling + a, ti.f32), down_in_tile, lamp_side, lamp_front
+                        )
+                        radiance[row + j, column + pixel * sampling + a] = ti.select(grain, light, back)
+                else:  # far and wide no grain
+                    for a in ti.static(range(sampling)):
+                        radiance[row + j, column + pixel * sampling + a] = back
+
+
+@ti.func
+def _light_of(face, across_tile, down_tile, lamp_side, lamp_front):
+    """Light of a grain at a place in its tile, in samples."""
+    off_x, off_y = across_tile * face[2] - face[0], down_tile * face[2] - face[1]
+    front = ti.sqrt(ti.max(ti.f32(1.0) - off_x * off_x - off_y * off_y, ti.f32(0.0))) + ti.f32(RIM)
+    across, down = off_x + face[3], off_y + face[4]
+    lit, aside = front * lamp_front, ti.abs(across * lamp_side)
+    # max(lit - aside, 0) + max(lit + aside, 0) of both lamps: lit is positive.
+    lamps = lit + ti.max(lit, aside)
+    return face[5] + face[6] * lamps / ti.sqrt(across * across + down * down + front * front)
 
 
 @ti.kernel
@@ -118,19 +134,21 @@ def implement_radiance(
     sampling: ti.template(),
     margin: ti.i32,
     light: ti.f64,
+    box: box_vector,
     radiance: _f32_table,
 ):
     """Light of the implement's side, marked with blotches of `grain` px; a wheel has rim, hub and spokes.
 
-    `rim` is the table of `synth.camera.rim_face`: marks stay on the material.
+    `rim` is the table of `synth.camera.rim_face`: marks stay on the material. `box` holds the first column,
+    the row, and those after the last, of the buffer's pixels that it may be at.
 
     These are smooth over a pixel, so one value serves all of a pixel's samples; its outline does not.
     """
     cosine, sine = ti.cos(angle), ti.sin(angle)
-    for share in range((samples.shape[0] // sampling) * SHARES):
+    for share in range((box[3] - box[1]) * SHARES):
         if share % SHARES != 0:
             continue
-        row = share // SHARES
+        row = box[1] + share // SHARES
         _implement_row(
             row,
             samples,
@@ -145,6 +163,7 @@ def implement_radiance(
             sampling,
             margin,
             light,
+            box,
             radiance,
         )
 
@@ -178,9 +197,10 @@ def _implement_row(
     sampling: ti.template(),
     margin,
     light,
+    box,
     radiance: ti.template(),
 ):
-    for i in range(samples.shape[1] // sampling):
+    for i in range(box[0], box[2]):
         seen = False
         for b, a in ti.ndrange(sampling, sampling):
             seen = seen or samples[j * sampling + b, i * sampling + a] == IMPLEMENT
@@ -244,48 +264,3 @@ def _lattice_value(i, j):
     h = (h ^ (h >> 13)) * ti.u32(1274126177)
     h = h ^ (h >> 16)
     return ti.cast(h & ti.u32(0xFFFF), ti.f64) / 32767.5 - 1.0
-
-
-@ti.kernel
-def filter_rows(
-    radiance: _f32_table, taps: _f32, start: ti.i32, sampling: ti.template(), filtered: _f32_table
-):
-    """Blur along x and integrate over the pixels' width: one output a pixel, rows still at sample spacing.
-
-    Four pixels are summed at a time, since each sum has to wait for its last step.
-    """
-    quads = (filtered.shape[1] + 3) // 4
-    for share in range(filtered.shape[0] * SHARES):
-        if share % SHARES != 0:
-            continue
-        j = share // SHARES
-        for quad in range(quads):
-            base = ti.min(quad * 4, filtered.shape[1] - 4)
-            total = ti.Vector([ti.f32(0.0)] * 4)
-            for k in range(taps.shape[0]):
-                weight = taps[k]
-                for c in ti.static(range(4)):
-                    total[c] += weight * radiance[j, start + (base + c) * sampling + k]
-            for c in ti.static(range(4)):
-                filtered[j, base + c] = total[c]
-
-
-@ti.kernel
-def filter_columns(
-    filtered: _f32_table, taps: _f32, start: ti.i32, sampling: ti.template(), picture: _f32_table
-):
-    """Blur along y and integrate over the pixels' height."""
-    quads = (picture.shape[1] + 3) // 4
-    for share in range(picture.shape[0] * SHARES):
-        if share % SHARES != 0:
-            continue
-        j = share // SHARES
-        for quad in range(quads):
-            base = ti.min(quad * 4, picture.shape[1] - 4)
-            total = ti.Vector([ti.f32(0.0)] * 4)
-            for k in range(taps.shape[0]):
-                weight = taps[k]
-                for c in ti.static(range(4)):
-                    total[c] += weight * filtered[start + j * sampling + k, base + c]
-            for c in ti.static(range(4)):
-                picture[j, base + c] = total[c]

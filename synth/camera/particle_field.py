@@ -275,7 +275,7 @@ def _implement_parts(recording: "Recording", frame: int, scene: "Scene") -> "np.
 def _within(
     x: "np.ndarray", z: "np.ndarray", around: "tuple[np.ndarray, np.ndarray] | None", reach: float
 ) -> "np.ndarray":
-    """Particles within the bounds of points, or nearer to them than `reach` (m); all of them without points."""
+    """Particles within the bounds of points, or nearer to them than `reach` (m); all without points."""
     import numpy as np
 
     if around is None or len(around[0]) == 0:

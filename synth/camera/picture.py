@@ -14,6 +14,7 @@ from synth.camera.tiles import TILE
 
 if TYPE_CHECKING:
     import numpy as np
+    from threadpoolctl import ThreadpoolController
 
     from synth.camera.glass import Glass
     from synth.camera.implement_face import ImplementFace
@@ -23,6 +24,8 @@ if TYPE_CHECKING:
 
 _BLOTCH = 1.0e-3
 """m; size of the marks on the implement's side."""
+_ROWS_AT_ONCE = 8
+"""Of pixels that are filtered; more waste work on zeros, fewer on starting."""
 _BLUR_REACH = 3.5
 """Deviations of the blur: beyond lies less than 0.05 % of the light."""
 
@@ -34,19 +37,26 @@ class Film:
     Attributes
     ----------
     radiance : (S (H + 2 margin), S (W + 2 margin)) float32
-    filtered : (S (H + 2 margin), W) float32
+    filtered : (H, S (W + 2 margin)) float32
+    faces : (n, 8) float32
+        See `light_kernels.turn_faces`; a picture with more grains than there is room for brings its own.
     """
 
     radiance: "np.ndarray"
     filtered: "np.ndarray"
+    faces: "np.ndarray"
 
     @classmethod
     def like(cls, covered: Cover) -> "Film":
-        """Buffers for pictures of this size."""
+        """Buffers for pictures of this size with about as many grains."""
         import numpy as np
 
-        shape = covered.samples.shape
-        return cls(np.empty(shape, np.float32), np.empty((shape[0], covered.view.width), np.float32))
+        shape, room = covered.samples.shape, len(covered.tiled.grain) * 5 // 4 + 1
+        return cls(
+            np.empty(shape, np.float32),
+            np.empty((covered.view.height, shape[1]), np.float32),
+            np.empty((room, 8), np.float32),
+        )
 
 
 def light_on_sensor(
@@ -73,21 +83,44 @@ def light_on_sensor(
     """
     import numpy as np
 
-    from synth.camera import light_kernels
-
     film = film or Film.like(covered)
-    _radiance(scene, grains, placement, covered, film.radiance)
+    _radiance(scene, grains, placement, covered, film)
     if glass is not None:
         glass.put_before(scene, covered, film.radiance)
-    sampling = covered.sampling
-    taps = _lens_and_pixel(scene.lens.blur, sampling)
-    start = covered.margin * sampling - (len(taps) - sampling) // 2
     height, width = covered.centres.shape
-    picture = np.empty((height, width), np.float32)
-    light_kernels.filter_rows(film.radiance, taps, start, sampling, film.filtered)
-    light_kernels.filter_columns(film.filtered, taps, start, sampling, picture)
+    weights = _lens_and_pixel(scene.lens.blur, covered.sampling)
+    start = covered.margin * covered.sampling - (len(weights) - covered.sampling) // 2
+    radiance, half_done = film.radiance[start:], film.filtered
+    _filter_rows(radiance, weights, covered.sampling, half_done)
+    picture = np.empty((width, height), np.float32)
+    _filter_rows(half_done[:, start:].T, weights, covered.sampling, picture)
+    picture = picture.T
     passed = _vignette(height, width, scene.lens.vignetting)
     return picture * (passed if glass is None else passed * glass.dirt)
+
+
+def _filter_rows(fine: "np.ndarray", weights: "np.ndarray", sampling: int, filtered: "np.ndarray") -> None:
+    """Sum the rows of samples around every row of pixels, weighted; the first one's start is the first row.
+
+    Some rows at a time are a product with a small matrix, the same one all over.
+    """
+    import numpy as np
+
+    count = min(_ROWS_AT_ONCE, len(filtered))
+    matrix = np.zeros((count, (count - 1) * sampling + len(weights)), np.float32)
+    for row in range(count):
+        matrix[row, row * sampling : row * sampling + len(weights)] = weights
+    with _linear_algebra().limit(limits=1, user_api="blas"):  # several threads would wait more than they work
+        for row in [*range(0, len(filtered) - count, count), len(filtered) - count]:
+            begin = row * sampling
+            np.matmul(matrix, fine[begin : begin + matrix.shape[1]], out=filtered[row : row + count])
+
+
+@lru_cache(maxsize=1)
+def _linear_algebra() -> "ThreadpoolController":
+    from threadpoolctl import ThreadpoolController
+
+    return ThreadpoolController()
 
 
 def expose(scene: "Scene", light: "np.ndarray", frame: int) -> "np.ndarray":
@@ -112,16 +145,17 @@ def _radiance(
     grains: "MicroGrains",
     placement: "Placement",
     covered: Cover,
-    radiance: "np.ndarray",
+    film: Film,
 ) -> None:
-    """Light of every sample, as a share of full scale, into `radiance`."""
+    """Light of every sample, as a share of full scale, into `film.radiance`."""
     import numpy as np
 
     from synth.camera import light_kernels
 
     tiled, light = covered.tiled, scene.light
     elevation = math.radians(light.elevation)
-    face = np.empty((max(len(tiled.grain), 1), 4), np.float32)
+    enough = len(film.faces) >= max(len(tiled.grain), 1)
+    face = film.faces if enough else np.empty((len(tiled.grain), 8), np.float32)
     light_kernels.turn_faces(
         tiled.grain,
         tiled.place,
@@ -130,6 +164,7 @@ def _radiance(
         grains.slope_y,
         grains.brightness,
         light.intensity,
+        light.ambient,
         scene.texture.roundness,
         face,
     )
@@ -137,18 +172,16 @@ def _radiance(
         covered.samples,
         tiled.columns,
         TILE,
-        tiled.place,
         face,
         tiled.index_mask,
         _behind_the_grains(scene, covered),
         covered.sampling,
-        light.ambient,
         math.cos(elevation),
         math.sin(elevation),
-        radiance,
+        film.radiance,
     )
     if covered.face is not None:
-        _light_implement(scene, covered, covered.face, radiance)
+        _light_implement(scene, covered, covered.face, film.radiance)
 
 
 def _light_implement(scene: "Scene", covered: Cover, face: "ImplementFace", radiance: "np.ndarray") -> None:
@@ -166,6 +199,7 @@ def _light_implement(scene: "Scene", covered: Cover, face: "ImplementFace", radi
         covered.sampling,
         covered.margin,
         scene.light.implement,
+        face.box(covered.margin),
         radiance,
     )
 

@@ -110,7 +110,9 @@ def _spin(turn):
     """Cos - 1 and sin; by their series, to 1e-14, where the angle is small, as it mostly is."""
     square = turn * turn
     half, sixth, twentieth, last = ti.f32(0.5), ti.f32(1 / 6), ti.f32(1 / 20), ti.f32(1 / 24)
-    result = ti.Vector([-square * (half - square * last), turn - turn * square * sixth * (1 - square * twentieth)])
+    result = ti.Vector(
+        [-square * (half - square * last), turn - turn * square * sixth * (1 - square * twentieth)]
+    )
     if square > ti.f32(1e-4):
         sine = ti.sin(half * turn)
         result = ti.Vector([-2 * sine * sine, ti.sin(turn)])
@@ -302,8 +304,9 @@ def find_mixed(
 ):
     """Pixels with two samples whose motions are more than `limit` px apart.
 
-    `motion` and `spread` are those of `rigid_motions` and `spread_in_blocks`, `outside` is the distance to the implement, px; `body`
-    holds the implement's reference point and its displacement, cos - 1 and sin of its turn.
+    `motion` and `spread` are those of `rigid_motions` and `spread_in_blocks`, `outside` is the distance to
+    the implement, px; `body` holds the implement's reference point and its displacement, cos - 1 and sin of
+    its turn.
     """
     for share in range(mixed.shape[0] * SHARES):
         if share % SHARES != 0:

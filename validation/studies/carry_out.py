@@ -3,7 +3,7 @@
 import csv
 import json
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -11,13 +11,16 @@ from synth.scene import Scene, SoilBinScene
 from validation import chain
 from validation.manifest import key_of
 from validation.run_folder import RunFolder
-from validation.studies.study import Findings, Run, Study
+from validation.studies.picture_errors import PictureStudy
+from validation.studies.study import Findings, Row, Run, Study
 from validation.terminal import Terminal
 from validation.versions import package_version
 
 SCHEMA_VERSION = 1
 RUNS = "runs"
 """Folder below a study's with a run folder for each case."""
+_MEASURED = "measured-{study}-{label}.json"
+"""Rows of a measurement that is done."""
 
 
 def carry_out(
@@ -77,16 +80,38 @@ def carry_out(
         )
         if folder.why_do(f"study {name}", key) is not None:
             labels = {"study": name, "scene": scene.name, "seed": scene.seed, "quick": quick}
-            _write(folder, name, key, labels, study, runs)
+            if isinstance(study, PictureStudy):
+                findings = study.findings(_measured(folder, name, key, study, runs, terminal))
+            else:
+                findings = study.find(runs)
+            _write(folder, name, key, labels, study, findings)
     return json.loads((out / f"{name}.json").read_text(encoding="utf-8"))
 
 
+def _measured(
+    folder: RunFolder, name: str, key: str, study: PictureStudy, runs: Sequence[Run], terminal: Terminal
+) -> list[Row]:
+    """Rows of all measurements of a study; those that are on disk are read."""
+    rows: list[Row] = []
+    several = study.measurements(runs)
+    with terminal.progress(f"study {name}: pictures taken and measured") as advance:
+        for number, one in enumerate(several):
+            advance(number, len(several))
+            step, file = f"study {name}: {one.label}", _MEASURED.format(study=name, label=one.label)
+            if folder.why_do(step, key) is not None:
+                taken = one.take()
+                with folder.writing(step, key) as draft:
+                    (draft.folder / file).write_text(json.dumps(taken, indent=1) + "\n", encoding="utf-8")
+            rows += json.loads((folder.path / file).read_text(encoding="utf-8"))
+        advance(len(several), len(several))
+    return rows
+
+
 def _write(
-    folder: RunFolder, name: str, key: str, labels: dict[str, Any], study: Study, runs: list[Run]
+    folder: RunFolder, name: str, key: str, labels: dict[str, Any], study: Study, findings: Findings
 ) -> None:
     from validation.figures import to_png
 
-    findings = study.find(runs)
     with folder.writing(f"study {name}", key) as draft:
         _write_table(draft.folder / f"{name}.csv", study, findings)
         (draft.folder / f"{name}.png").write_bytes(to_png(study.draw(findings)))

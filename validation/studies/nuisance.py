@@ -5,7 +5,8 @@ severity of the scene's table [nuisance] raised at a time.
 """
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -13,8 +14,8 @@ import numpy as np
 from soft.flow import installed
 from synth.scene import PlateScene, Scene, SoilBinScene, load_scene, parse_scene
 from validation.metrics import ErrorSummary
-from validation.studies.picture_errors import WRONG, picture_errors
-from validation.studies.study import Case, Findings, Row, Run, Study, plain_axes
+from validation.studies.picture_errors import WRONG, Measurement, PictureStudy, pair_count, picture_errors
+from validation.studies.study import Case, Findings, Row, Run, plain_axes
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -36,7 +37,6 @@ SEVERITIES: dict[str, tuple[float, ...]] = {
 }
 """By key of [nuisance]; the greatest of each is about the worst that a rig still in use would show."""
 CLEAN = "none"
-_PAIRS = 2
 _COLOURS = ("#4c78a8", "#e45756", "#54a24b", "#b07d2b", "#7b5ea7", "0.3")
 _PANELS = (
     ("plate_rotation", "all", "p95", "plate:\n95 % error [px]"),
@@ -46,7 +46,7 @@ _PANELS = (
 """Scene (by its kind), stratum and quantity of the figure's rows."""
 
 
-class NuisanceSweep(Study):
+class NuisanceSweep(PictureStudy):
     """Pictures of two recordings, each nuisance by itself at three severities."""
 
     scene = "rolling_wheel"
@@ -72,16 +72,22 @@ class NuisanceSweep(Study):
         """Findings depend on the estimators there are, and on the severities."""
         return {"methods": installed(), "severities": SEVERITIES}
 
-    def find(self, runs: Sequence[Run]) -> Findings:
+    def measurements(self, runs: Sequence[Run]) -> list[Measurement]:
         """Errors of every estimator in the clean pictures and in the disturbed ones."""
         from synth import simulate
 
         wheel = runs[0].case.scene
         plate = load_scene("plate_rotation", quick=wheel.quick, seed=wheel.seed)
         assert isinstance(plate, PlateScene)
-        rows = _rows("plate_rotation", plate, simulate(plate), ("all",))
-        rows += _rows("rolling_wheel", wheel, runs[0].recording(), ("all", "complex"))
-        return Findings(rows, _conclusion(rows))
+        on_plate, under_wheel = cache(partial(simulate, plate)), cache(runs[0].recording)
+        return [
+            *_measurements("plate_rotation", plate, on_plate, ("all",)),
+            *_measurements("rolling_wheel", wheel, under_wheel, ("all", "complex")),
+        ]
+
+    def conclusion(self, rows: Sequence[Row]) -> str:
+        """What raises the 95 % error over all the wheel's soil most, method by method."""
+        return f"95 % error over all the wheel's soil: {'; '.join(_worst_of_each_method(rows))}."
 
     def draw(self, findings: Findings) -> "Figure":
         """One column a nuisance; dotted: the clean picture."""
@@ -115,14 +121,33 @@ class NuisanceSweep(Study):
 STUDY = NuisanceSweep()
 
 
-def _rows(name: str, clean: Scene, recording: "Recording", strata: Sequence[str]) -> list[Row]:
+def _measurements(
+    name: str, clean: Scene, recording: "Callable[[], Recording]", strata: Sequence[str]
+) -> list[Measurement]:
+    return [
+        Measurement(
+            f"{name}-{nuisance}-{severity:g}",
+            partial(_rows, name, clean, recording, nuisance, severity, strata),
+        )
+        for nuisance, severity in _levels(clean)
+    ]
+
+
+def _rows(
+    name: str,
+    clean: Scene,
+    recording: "Callable[[], Recording]",
+    nuisance: str,
+    severity: float,
+    strata: Sequence[str],
+) -> list[Row]:
+    scene = clean if nuisance == CLEAN else disturbed(clean, {nuisance: severity})
+    count = pair_count(quick=scene.quick)
+    errors = picture_errors(recording(), scene, installed(), pair_count=count)
     rows: list[Row] = []
-    for nuisance, severity in _levels(clean):
-        scene = clean if nuisance == CLEAN else disturbed(clean, {nuisance: severity})
-        errors = picture_errors(recording, scene, installed(), pair_count=_PAIRS)
-        for method, summaries in errors.items():
-            told: Row = {"scene": name, "nuisance": nuisance, "severity": severity, "method": method}
-            rows += [{**told, "stratum": stratum, **error_columns(summaries[stratum])} for stratum in strata]
+    for method, summaries in errors.items():
+        told: Row = {"scene": name, "nuisance": nuisance, "severity": severity, "method": method}
+        rows += [{**told, "stratum": stratum, **error_columns(summaries[stratum])} for stratum in strata]
     return rows
 
 
@@ -173,8 +198,7 @@ def _draw_lines(axes: "Axes", rows: Sequence[Row], nuisance: str, quantity: str,
         axes.text(0.5, 0.5, "camera stands", transform=axes.transAxes, fontsize=7, ha="center", color="0.4")
 
 
-def _conclusion(rows: Sequence[Row]) -> str:
-    """What raises the 95 % error over all the wheel's soil most, method by method."""
+def _worst_of_each_method(rows: Sequence[Row]) -> list[str]:
     words = []
     for method in sorted({str(row["method"]) for row in rows}):
         own = [
@@ -190,4 +214,4 @@ def _conclusion(rows: Sequence[Row]) -> str:
             f"{method} {clean:.2f} px clean, {float(first['p95']):.2f} px with {first['nuisance']} "
             f"{first['severity']:g} (then {', '.join(names[1:])})"
         )
-    return f"95 % error over all the wheel's soil: {'; '.join(words)}."
+    return words

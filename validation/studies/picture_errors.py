@@ -1,11 +1,14 @@
 """Part of a recording photographed anew, and the error of every estimator in these pictures."""
 
 import tempfile
-from collections.abc import Sequence
+from abc import abstractmethod
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from validation.metrics import ErrorSummary
+from validation.studies.study import Findings, Row, Run, Study
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -15,6 +18,47 @@ if TYPE_CHECKING:
 
 WRONG = "1.0"
 """px, error above which a pixel is told to be wrong; of `validation.metrics.WRONG_ABOVE`."""
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """Errors in one set of pictures.
+
+    Attributes
+    ----------
+    label : str
+        Says which, and names its file.
+    take : callable
+        Takes the pictures and measures them: lines of the study's table.
+    """
+
+    label: str
+    take: Callable[[], list[Row]]
+
+
+class PictureStudy(Study):
+    """A study of errors in pictures. Measurements take long: each is kept as soon as it is done."""
+
+    @abstractmethod
+    def measurements(self, runs: Sequence[Run]) -> list[Measurement]:
+        """What is to be measured; nothing is done before it is taken."""
+
+    @abstractmethod
+    def conclusion(self, rows: Sequence[Row]) -> str:
+        """One line, with numbers, on the rows of all measurements."""
+
+    def find(self, runs: Sequence[Run]) -> Findings:
+        """Take every measurement."""
+        return self.findings([row for one in self.measurements(runs) for row in one.take()])
+
+    def findings(self, rows: list[Row]) -> Findings:
+        """What the rows of all measurements say."""
+        return Findings(rows, self.conclusion(rows))
+
+
+def pair_count(*, quick: bool) -> int:
+    """Pairs of pictures of each kind that a study measures."""
+    return 1 if quick else 2
 
 
 def picture_errors(

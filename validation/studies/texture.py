@@ -4,7 +4,8 @@ Micro-grains that follow the smooth field of the particles (`interpolated`) do n
 those that ride rigidly on one particle (`carried`) make tiles, whose edges are discontinuities of their own.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from functools import cache, partial
 from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
@@ -12,20 +13,21 @@ import numpy as np
 from soft.flow import installed
 from synth.scene import SoilBinScene
 from validation.studies.nuisance import error_columns
-from validation.studies.picture_errors import picture_errors
-from validation.studies.study import Case, Findings, Row, Run, Study, changed, column, plain_axes
+from validation.studies.picture_errors import Measurement, PictureStudy, pair_count, picture_errors
+from validation.studies.study import Case, Findings, Row, Run, changed, column, plain_axes
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
+    from synth.recording import Recording
+
 TEXTURES = ("interpolated", "carried")
 _FACTORS = (1.0, 1.4, 2.0)
 """Particle diameters / the scene's own."""
-_PAIRS = 2
 _COLOURS = ("#4c78a8", "#e45756", "#54a24b", "#b07d2b", "#7b5ea7", "0.3")
 
 
-class TextureMotion(Study):
+class TextureMotion(PictureStudy):
     """The same wheel in ever coarser particles, photographed with both textures."""
 
     scene = "rolling_wheel"
@@ -53,15 +55,19 @@ class TextureMotion(Study):
         """Findings depend on the estimators there are."""
         return {"methods": installed()}
 
-    def find(self, runs: Sequence[Run]) -> Findings:
+    def measurements(self, runs: Sequence[Run]) -> list[Measurement]:
         """Errors of every estimator in complex flow, of either texture."""
-        rows: list[Row] = []
+        found = []
         for run in runs:
-            recording = run.recording()
+            recording = cache(run.recording)
             for texture in TEXTURES:
                 scene = changed(run.case.scene, texture={"motion": texture})
-                rows += _rows(scene, recording)
-        return Findings(rows, _conclusion(rows))
+                found.append(Measurement(f"{run.case.label}-{texture}", partial(_rows, scene, recording)))
+        return found
+
+    def conclusion(self, rows: Sequence[Row]) -> str:
+        """How the wrong share of complex flow changes from the finest to the coarsest particles."""
+        return _conclusion(rows)
 
     def draw(self, findings: Findings) -> "Figure":
         """Share of complex pixels, their median error, and the share of them that is wrong."""
@@ -95,9 +101,9 @@ class TextureMotion(Study):
 STUDY = TextureMotion()
 
 
-def _rows(scene: SoilBinScene, recording: Any) -> list[Row]:
-    diameter = scene.bed.grain_diameter
-    errors = picture_errors(recording, scene, installed(), pair_count=_PAIRS)
+def _rows(scene: SoilBinScene, recording: "Callable[[], Recording]") -> list[Row]:
+    diameter, count = scene.bed.grain_diameter, pair_count(quick=scene.quick)
+    errors = picture_errors(recording(), scene, installed(), pair_count=count)
     return [
         {
             "grain_diameter": 1000 * diameter,
@@ -113,7 +119,6 @@ def _rows(scene: SoilBinScene, recording: Any) -> list[Row]:
 
 
 def _conclusion(rows: Sequence[Row]) -> str:
-    """How the wrong share of complex flow changes from the finest to the coarsest particles."""
     finest, coarsest = (f(float(row["grain_diameter"]) for row in rows) for f in (min, max))
     words = []
     for texture in TEXTURES:

@@ -189,9 +189,12 @@ def test_the_face_turns_with_its_grain_and_its_albedo_stays(cases, taichi):
     slope_x, slope_y, brightness = (np.array([value], np.float32) for value in (0.3, 0.0, 0.5))
     faces = []
     for turn in (0.0, np.pi / 2):
-        face = np.empty((2, 4), np.float32)
-        light_kernels.turn_faces(grain, place, np.array([turn]), slope_x, slope_y, brightness, 1.4, 0.8, face)
-        faces.append(face[0])
-    assert faces[0] == pytest.approx([0.7, 0.3, 0.0, 0.8])
+        face = np.empty((2, 8), np.float32)
+        looks = (slope_x, slope_y, brightness)
+        light_kernels.turn_faces(grain, place, np.array([turn]), *looks, 1.4, 0.25, 0.8, face)
+        assert face[0, :3] == pytest.approx([0.8 * 1.0, 0.8 * 1.0, 0.8])
+        assert face[0, 5:7] == pytest.approx([0.25 * 0.7, 0.75 * 0.7])
+        faces.append(face[0, 3:5])
+    assert faces[0] == pytest.approx([0.3, 0.0])
     # Counter-clockwise takes what leans to the right upwards, which is against y of the picture.
-    assert faces[1] == pytest.approx([0.7, 0.0, -0.3, 0.8], abs=1e-6)
+    assert faces[1] == pytest.approx([0.0, -0.3], abs=1e-6)

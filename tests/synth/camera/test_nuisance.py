@@ -36,7 +36,9 @@ def test_smudges_take_contrast_and_scratches_add_light(photograph, cases, fields
     clean = photograph(travelling(cases, fields), 0)
     smudged = photograph(travelling(cases, fields, nuisance={"smudges": 1.0}), 0)
     touched = np.abs(smudged - clean) > 0.02
-    assert smudged[touched].std() < clean[touched].std()
+    # Of neighbours: a smudge's own light varies over the picture.
+    contrast = [np.diff(light, axis=1)[touched[:, 1:]].std() for light in (clean, smudged)]
+    assert contrast[1] < 0.8 * contrast[0]
     scratched = effect(photograph, cases, fields, "scratches", 0.5)[0]
     assert scratched.min() > -1e-5
     assert scratched.max() < 0.5

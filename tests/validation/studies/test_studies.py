@@ -15,6 +15,7 @@ from validation.studies import STUDIES, find_study
 from validation.studies.flow_field import Window, mean_flow
 from validation.studies.grain_size import band_width, band_widths
 from validation.studies.grouser_spacing import by_phase, flux_ahead, largest_spacing, least_count
+from validation.studies.picture_errors import picture_errors
 
 SPACING = 1e-3
 SURFACE = 0.1
@@ -248,6 +249,19 @@ def test_nuisances_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypa
 
     assert p95("plate_rotation", "exchange") > 1.5 * p95("plate_rotation", "none")
     assert (tmp_path / "nuisance.png").read_bytes()[:4] == b"\x89PNG"
+
+    taken = []
+    monkeypatch.setattr(
+        "validation.studies.nuisance.picture_errors",
+        lambda *given, **options: taken.append(given) or picture_errors(*given, **options),
+    )
+    for name in ("nuisance.csv", "measured-nuisance-plate_rotation-exchange-0.2.json"):
+        (tmp_path / name).unlink()
+    status, output, error = softbed("study", "nuisance", tmp_path, "--scene", tiny_wheel_scene, "--json")
+    assert status == 0, error
+    assert json.loads(output)["rows"] == rows
+    assert len(taken) == 1  # the others are kept
+    assert "pictures taken and measured" in error
 
 
 def test_textures_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
