@@ -68,9 +68,9 @@ def one_grain(cases, x, y, radius):
     tiled = sort_into_tiles(grains, placement, view, sampling, margin)
     samples = np.empty((sampling * (height + 2 * margin), sampling * (width + 2 * margin)), np.int32)
     centres = np.empty((height, width), np.int32)
-    cover_kernels.cover_by_grains(
-        tiled.first, tiled.columns, tiled.place, tiled.key, sampling, margin, TILE, samples, centres
-    )
+    widths = samples.shape[1], centres.shape[1]
+    sorted_grains = (tiled.first, tiled.columns, tiled.place, tiled.key, sampling, margin, TILE)
+    cover_kernels.cover_by_grains(*sorted_grains, *widths, samples.ravel(), centres.ravel())
     rows, columns = np.mgrid[:height, :width]
     assert np.array_equal(centres != cover_kernels.NOTHING, np.hypot(columns - x, rows - y) <= radius)
     soil = np.ones((height, width), bool)

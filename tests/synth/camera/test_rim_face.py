@@ -70,7 +70,7 @@ def test_samples_are_covered_as_the_capsules_say(taichi, cases, scene, turn):
     samples = np.zeros((3 * HEIGHT, 3 * WIDTH), np.int32)
     centres = np.zeros((HEIGHT, WIDTH), np.int32)
     numbers = kernels.projection.numbers(face.view.numbers)
-    kernels.cover_by_implement(face.x, face.y, face.parts, numbers, 3, 0, samples, centres)
+    kernels.cover_by_implement(face.x, face.y, face.parts, numbers, 3, 0, face.box(0), samples, centres)
     covered = samples[1::3, 1::3] == kernels.IMPLEMENT  # the middle one of a pixel is its centre
     np.testing.assert_array_equal(covered, face.distance() == 0)
     np.testing.assert_array_equal(covered, centres == kernels.IMPLEMENT)
