@@ -1,6 +1,8 @@
 """What the simulator leaves behind: states at frame times, and forces finer in time."""
 
+import contextlib
 import csv
+from collections.abc import Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -123,6 +125,24 @@ RIM_COLUMNS = ("deflection", "contact_length", "rolling_radius")
 """Columns of `forces.csv` after those, where there is an elastic rim."""
 
 
+@contextlib.contextmanager
+def _opened(path: str | Path) -> Iterator["xr.Dataset"]:
+    """A recording's file, unread; nothing that was read is kept."""
+    import xarray as xr
+
+    try:
+        data = xr.open_dataset(path, engine="h5netcdf", cache=False)
+    except FileNotFoundError:
+        raise
+    except (OSError, ValueError, KeyError) as error:
+        raise ValueError(f"{path}: not a recording: {error}") from None
+    with data:
+        if data.attrs.get("schema_version") != SCHEMA_VERSION:
+            version = data.attrs.get("schema_version")
+            raise ValueError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
+        yield data
+
+
 @dataclass(frozen=True)
 class Recording:
     """States of particles and implement at frame times, and the implement's forces.
@@ -174,22 +194,38 @@ class Recording:
         ValueError
             Not a recording, or one of another schema version.
         """
-        import xarray as xr
+        with _opened(path) as data:
+            try:
+                return cls(data.load())
+            except (OSError, ValueError, KeyError) as error:
+                raise ValueError(f"{path}: not a recording: {error}") from None
 
-        try:
-            data = xr.load_dataset(path, engine="h5netcdf")
-        except FileNotFoundError:
-            raise
-        except (OSError, ValueError, KeyError) as error:
-            raise ValueError(f"{path}: not a recording: {error}") from None
-        if data.attrs.get("schema_version") != SCHEMA_VERSION:
-            version = data.attrs.get("schema_version")
-            raise ValueError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
-        return cls(data)
+    @classmethod
+    @contextlib.contextmanager
+    def open(cls, path: str | Path) -> Iterator["Recording"]:
+        """Use a recording without reading what it says of particles, until `states` asks for it.
+
+        It needs the memory of a frame or two, however many it has. Raises what `read` does.
+        """
+        with _opened(path) as data:
+            small = [
+                name
+                for name, one in data.data_vars.items()
+                if one.dims != ("frame", "particle") and one.dims != ("contact",)
+            ]
+            yield cls(data.assign({name: data[name].load() for name in small}))
+
+    def states(self, name: str, frame: int) -> "np.ndarray":
+        """A variable of the particles at one frame, (particle,): the others are not read."""
+        return self.data[name].isel(frame=frame).values
 
     def write(self, path: str | Path) -> None:
-        """Write `recording.nc` (netCDF-4, compressed without loss)."""
-        encoding = {name: {"zlib": True, "complevel": 1, "shuffle": True} for name in self.data.data_vars}
+        """Write `recording.nc` (netCDF-4, compressed without loss), so that a frame is read by itself."""
+        encoding: dict[Any, dict[str, Any]] = {}
+        for name, one in self.data.data_vars.items():
+            encoding[name] = {"zlib": True, "complevel": 1, "shuffle": True}
+            if one.dims == ("frame", "particle") and one.size:
+                encoding[name]["chunksizes"] = (1, one.sizes["particle"])
         self.data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
 
     def write_forces(self, path: str | Path) -> None:
@@ -232,7 +268,8 @@ class Recording:
         """
         if "position_y" not in self.data:
             return self
-        gap = self.data["position_y"].mean("frame").values - self.data["radius"].values
+        total = sum(self.states("position_y", frame) for frame in range(self.frame_count))
+        gap = total / self.frame_count - self.data["radius"].values
         near = gap <= AT_GLASS * 2 * float(self.data["radius"].mean())
         return Recording(self.data.isel(particle=near))
 

@@ -136,8 +136,11 @@ def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
     key = _render_key(run, scene)
     if _skips(run, "render", key, terminal):
         return
-    recording = synth.Recording.read(run.recording)
-    with run.writing("render", key) as draft, terminal.progress("render") as progress:
+    with (
+        synth.Recording.open(run.recording) as recording,
+        run.writing("render", key) as draft,
+        terminal.progress("render") as progress,
+    ):
         folder = draft.folder / run.footage.name
         synth.render(recording, scene, folder, device=work.device, threads=work.threads, progress=progress)
 

@@ -472,9 +472,9 @@ def contact_sheet(
     terminal = Terminal(json=json)
     with terminal.working():
         names = scene or [*scene_names()]
-        options = {"resume": resume, "given": {Manifest.read(path).scene: path for path in run or []}}
+        given = {Manifest.read(path).scene: path for path in run or []}
         work = chain.Work(device, threads)
-        sheet = make_contact_sheet(out, names, **options, work=work, terminal=terminal)
+        sheet = make_contact_sheet(out, names, given=given, resume=resume, work=work, terminal=terminal)
     terminal.show(str(sheet))
     terminal.give({"schema_version": 1, "sheet": str(sheet), "scenes": names})
 

@@ -141,11 +141,16 @@ class Carried:
         return Surroundings(self._owner, strain[self._owner])
 
     def _at(self, frame: int) -> Placement:
-        data, grains, owner = self._recording.data, self._grains, self._owner
-        x, z, angle = (data[name].values.astype(np.float64) for name in ("position_x", "position_z", "angle"))
-        turn = (angle[frame] - angle[0])[owner]
-        off_x, off_z = _turned(grains.x - x[0][owner], grains.z - z[0][owner], turn)
-        return Placement(frame, x[frame][owner] + off_x, z[frame][owner] + off_z, turn, self._alive)
+        grains, owner = self._grains, self._owner
+        first_x, first_z, first_angle = self._particles(0)
+        x, z, angle = self._particles(frame)
+        turn = (angle - first_angle)[owner]
+        off_x, off_z = _turned(grains.x - first_x[owner], grains.z - first_z[owner], turn)
+        return Placement(frame, x[owner] + off_x, z[owner] + off_z, turn, self._alive)
+
+    def _particles(self, frame: int) -> "list[np.ndarray]":
+        names = ("position_x", "position_z", "angle")
+        return [self._recording.states(name, frame).astype(np.float64) for name in names]
 
 
 class Interpolated:

@@ -60,16 +60,20 @@ def as_seen(recording: "Recording", scene: "Scene") -> "Recording":
 
 def states_at(recording: "Recording", at: "np.ndarray") -> "Recording":
     """A recording's states at fractional frames: linear between them, and on as there beyond the ends."""
+    import numpy as np
     import xarray as xr
 
     from synth.recording import RIM_VARIABLES, VARIABLES, Recording
 
     known = {name: kind for name, kind in (VARIABLES | RIM_VARIABLES).items() if name in recording.data}
-    arrays = {name: recording.data[name].values for name in known}
+    before = np.clip(np.floor(at).astype(int), 0, recording.frame_count - 2)
+    first, last = before.min(), before.max() + 1  # of an exposure all but these need not be read
+    data = recording.data.isel(frame=slice(first, last + 1))
+    arrays = {name: data[name].values for name in known}
     for name in arrays.keys() & {"time", *STATES}:
-        arrays[name] = _between(arrays[name], at)
+        arrays[name] = _between(arrays[name], at - first)
     for name in ("velocity_x", "velocity_z"):  # no picture shows them
-        arrays[name] = arrays[name][at.round().astype(int).clip(0, recording.frame_count - 1)]
+        arrays[name] = arrays[name][(at - first).round().astype(int).clip(0, last - first)]
     data = xr.Dataset({name: (known[name][0], array) for name, array in arrays.items()})
     return Recording(data.assign_attrs(recording.data.attrs))
 

@@ -290,8 +290,8 @@ def _within(
 def _positions(recording: "Recording", frame: int) -> tuple["np.ndarray", "np.ndarray"]:
     import numpy as np
 
-    x, z = recording.data["position_x"].values[frame], recording.data["position_z"].values[frame]
-    return x.astype(np.float64), z.astype(np.float64)
+    x, z = (recording.states(f"position_{axis}", frame).astype(np.float64) for axis in "xz")
+    return x, z
 
 
 def _sort_into_cells(x: "np.ndarray", z: "np.ndarray", size: float) -> _Cells:

@@ -81,12 +81,12 @@ def _ever_seen(recording: "Recording", scene: "Scene") -> "np.ndarray":
     """Particles that come close to the picture in some frame; (particle,) bool."""
     import numpy as np
 
-    x, z = recording.data["position_x"].values, recording.data["position_z"].values
     margin = _margin(scene) + 2 * particle_diameter(recording)
-    seen = np.zeros(x.shape[1], bool)
+    seen = np.zeros(recording.data.sizes["particle"], bool)
     for frame in range(recording.frame_count):
         left, right, bottom, top = View.of(scene, recording, frame).bounds(margin)
-        seen |= (x[frame] > left) & (x[frame] < right) & (z[frame] > bottom) & (z[frame] < top)
+        x, z = recording.states("position_x", frame), recording.states("position_z", frame)
+        seen |= (x > left) & (x < right) & (z > bottom) & (z < top)
     return seen
 
 
@@ -95,7 +95,7 @@ def _region_of(seen: "np.ndarray", recording: "Recording", scene: "Scene") -> So
 
     if not seen.any():
         raise ValueError("no particle of the recording is ever in the camera's view: see [camera]")
-    x, z = recording.data["position_x"].values[0][seen], recording.data["position_z"].values[0][seen]
+    x, z = recording.states("position_x", 0)[seen], recording.states("position_z", 0)[seen]
     margin = 2 * particle_diameter(recording)
     view = _view_over((x.min() - margin, x.max() + margin, z.min() - margin, z.max() + margin), scene)
     smooth = scene.texture.motion == "interpolated"
@@ -148,12 +148,11 @@ def _discs(recording: "Recording", frame: int, view: View, chosen: "np.ndarray")
 
     from synth.camera import cover_kernels
 
-    data = recording.data
     column, row = view.to_image(
-        data["position_x"].values[frame][chosen].astype(np.float64),
-        data["position_z"].values[frame][chosen].astype(np.float64),
+        recording.states("position_x", frame)[chosen].astype(np.float64),
+        recording.states("position_z", frame)[chosen].astype(np.float64),
     )
-    radius = view.length_to_image(data["radius"].values[chosen].astype(np.float64))
+    radius = view.length_to_image(recording.data["radius"].values[chosen].astype(np.float64))
     mask = np.zeros((view.height, view.width), np.uint8)
     cover_kernels.fill_discs(column, row, radius, mask)
     return mask.astype(bool)
