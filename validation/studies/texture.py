@@ -73,7 +73,7 @@ class TextureMotion(PictureStudy):
         """Share of complex pixels, their median error, and the share of them that is wrong."""
         from matplotlib.figure import Figure
 
-        figure = Figure(figsize=(10.5, 3.6), layout="constrained")
+        figure = Figure(figsize=(10.5, 3.8), layout="constrained")
         grid = plain_axes(figure, 1, 3).ravel()
         methods = sorted({str(row["method"]) for row in findings.rows})
         for texture, style in zip(TEXTURES, ("-", "--"), strict=True):
@@ -83,8 +83,9 @@ class TextureMotion(PictureStudy):
                 look = {"linestyle": style, "marker": "o", "markersize": 4}
                 if method == methods[0]:
                     grid[0].plot(size, column(own, "complex_share"), color="0.3", label=texture, **look)
+                label = method if texture == TEXTURES[0] else None
                 for axes, quantity in ((grid[1], "median"), (grid[2], "wrong")):
-                    axes.plot(size, column(own, quantity), color=colour, label=f"{method}, {texture}", **look)
+                    axes.plot(size, column(own, quantity), color=colour, label=label, **look)
         for axes, label in zip(
             grid,
             ("soil that is complex [%]", "median error in complex flow [px]", "complex flow, above 1 px [%]"),
@@ -94,7 +95,15 @@ class TextureMotion(PictureStudy):
             axes.set_ylabel(label)
             axes.set_xlim(0)
             axes.set_ylim(0)
-            axes.legend(frameon=False, fontsize=7)
+        handles, labels = (
+            [*textures, *of_methods]
+            for textures, of_methods in zip(
+                grid[0].get_legend_handles_labels(), grid[1].get_legend_handles_labels(), strict=True
+            )
+        )
+        figure.legend(
+            handles, labels, loc="outside lower center", ncols=len(labels), frameon=False, fontsize=8
+        )
         return figure
 
 
