@@ -88,8 +88,8 @@ def _render_frames(
     placement, previous, count = motion.start(), None, recording.frame_count
     photographer = Photographer(scene, recording, grains, motion, clock)
     for frame in range(count):
-        covered, picture = photographer.take(placement, previous)
-        writer.put(partial(_timed_picture, clock, folder / frame_name(frame), picture))
+        light, covered = photographer.light(placement, previous)
+        writer.put(partial(_expose_and_write, clock, scene, light, frame, folder / frame_name(frame)))
         if frame + 1 < count:
             with clock.stage("moving"):
                 following = motion.advance(placement)
@@ -101,7 +101,11 @@ def _render_frames(
             progress(frame + 1, count)
 
 
-def _timed_picture(clock: StageClock, path: Path, picture: "np.ndarray") -> None:
+def _expose_and_write(clock: StageClock, scene: "Scene", light: "np.ndarray", frame: int, path: Path) -> None:
+    from synth.camera.picture import expose
+
+    with clock.stage("exposing"):
+        picture = expose(scene, light, frame)
     with clock.stage("writing"):
         write_picture(path, picture)
 

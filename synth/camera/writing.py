@@ -1,4 +1,4 @@
-"""Footage goes to disk in a thread of its own, while the next frame is rendered."""
+"""What is left to do of a frame is done in a thread of its own, while the next one is rendered."""
 
 import queue
 import threading
