@@ -308,6 +308,8 @@ def find_mixed(
     the implement, px; `body` holds the implement's reference point and its displacement, cos - 1 and sin of
     its turn.
     """
+    # Samples of a pixel are less than 3 px of an ideal lens apart: the implement's own motion does not mix.
+    rigid = 3.0 * ti.sqrt(body[4] * body[4] + body[5] * body[5]) < limit
     for share in range(mixed.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
@@ -316,9 +318,11 @@ def find_mixed(
             row, column = (j + margin) * sampling, (i + margin) * sampling
             found = ti.u8(0)
             still = spread[(j + margin) // BLOCK, (i + margin) // BLOCK] < ti.f32(0.999) * limit
-            if outside[j, i] >= 2.0 and not still:
+            if outside[j, i] < 2.0:
+                still = rigid and _is_implement(row, column, samples, sampling)
+            elif not still:
                 still = _alike(row, column, samples, grain, motion, index_mask, sampling, limit)
-            if not still or outside[j, i] < 2.0:
+            if not still:
                 found = _differs(
                     row,
                     column,
@@ -335,6 +339,16 @@ def find_mixed(
                     limit,
                 )
             mixed[j, i] = found
+
+
+@ti.func
+def _is_implement(row, column, samples: ti.template(), sampling: ti.template()):
+    """Whether all samples of a pixel are the implement's."""
+    whole = True
+    for b in range(row, row + sampling):
+        for a in range(column, column + sampling):
+            whole = whole and samples[b, a] == IMPLEMENT
+    return whole
 
 
 @ti.func
