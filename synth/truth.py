@@ -438,16 +438,18 @@ def _discontinuities(arrays: "dict[str, np.ndarray]") -> "dict[str, np.ndarray]"
     """
     import numpy as np
 
-    from synth.camera import truth_kernels
+    from synth.camera import discontinuity_kernels
 
     shape = arrays["u"].shape
     jump = np.empty(shape, np.float32)
-    truth_kernels.find_jumps(arrays["u"], arrays["v"], arrays["implement"].view(np.uint8), JUMP_LIMIT, jump)
+    discontinuity_kernels.find_jumps(
+        arrays["u"], arrays["v"], arrays["implement"].view(np.uint8), JUMP_LIMIT, jump
+    )
     row = np.empty(shape, np.int32)
-    truth_kernels.nearest_in_column(jump, row)
+    discontinuity_kernels.nearest_in_column(jump, row)
     distance = np.full(shape, np.inf, np.float32)
     nearest_jump = np.full(shape, np.nan, np.float32)
-    truth_kernels.nearest_in_picture(
+    discontinuity_kernels.nearest_in_picture(
         row, jump, np.empty(shape, np.int32), np.empty(shape, np.float64), distance, nearest_jump
     )
     return {"distance_to_discontinuity": distance + np.float32(0.5), "discontinuity_jump": nearest_jump}
