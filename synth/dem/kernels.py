@@ -6,7 +6,11 @@ metre of width; rotations counter-clockwise positive in the (x, z) plane. Import
 `synth.devices.start_taichi`.
 """
 
+from typing import Any, NamedTuple
+
 import taichi as ti
+
+from synth.dem.step_kernels import Ref, Team, take_steps
 
 # components of `motion`
 X, Z, VX, VZ, ANGLE, SPIN = range(6)
@@ -36,11 +40,10 @@ PART_AX, PART_AZ, PART_BX, PART_BZ, PART_RADIUS, PART_CONTINUES = range(6)
 
 FAR = 1e30
 """Further squared, m2, than a grain can be."""
-STEPS_PER_LAUNCH = 8
-"""A launch costs as much as a tenth of a step of 10 000 grains: several steps share one."""
+STEPS_UNROLLED = 4
+"""In one launch of ordinary loops: a launch costs as much as a tenth of a step of 10 000 grains."""
 
 Two = ti.types.vector(2, ti.f64)
-Ref = ti.template()  # an array handed on to a function
 Row = ti.types.ndarray(ti.f64, ndim=1)
 Index = ti.types.ndarray(ti.i32, ndim=1)
 
@@ -48,6 +51,52 @@ Index = ti.types.ndarray(ti.i32, ndim=1)
 def rows(size, dtype=ti.f64):
     """An array of records of so many numbers, each record in one piece of memory."""
     return ti.types.ndarray(ti.types.vector(size, dtype), ndim=1)
+
+
+class Soil(NamedTuple):
+    """The arrays that grains, pairs and implement stand in, held together while a kernel is compiled.
+
+    `synth.dem.layout` and the solver say what they hold; the last three are an elastic rim's.
+    """
+
+    features: int
+    constants: Any
+    motion: Any
+    body: Any
+    pairs: Any
+    pair_body: Any
+    pair_memory: Any
+    pair_load: Any
+    first_contact: Any
+    contacts: Any
+    near_wall: Any
+    wall_memory: Any
+    near_tool: Any
+    first_tool_contact: Any
+    tool: Any
+    parts: Any
+    tool_contact_count: Any
+    tool_parts: Any
+    tool_memory: Any
+    reaction: Any
+    ring: Any = None
+    rim: Any = None
+    node_force: Any = None
+
+
+@ti.func
+def increase(records: Ref, i, k: ti.template(), by):
+    """Add to an entry of record `i`, of which the caller is the only writer.
+
+    `+=` would be atomic, which is slow, where taichi cannot see that.
+    """
+    records[i][k] = records[i][k] + by
+
+
+@ti.func
+def increase_entry(row: Ref, k: ti.template(), by):
+    """Add to an entry of a row, of which the caller is the only writer."""
+    row[k] = row[k] + by
 
 
 @ti.func
@@ -78,18 +127,10 @@ def contact(overlap, approach, sliding, rolling, damping, reach, friction, shear
 
 
 @ti.func
-def pair_forces(
-    features: ti.template(),
-    p,
-    constants: Ref,
-    pairs: Ref,
-    pair_body: Ref,
-    motion: Ref,
-    body: Ref,
-    pair_memory: Ref,
-    pair_load: Ref,
-):
+def pair_forces(p, soil: Ref):
     """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
+    constants, motion, body, pairs = ti.static(soil.constants, soil.motion, soil.body, soil.pairs)
+    pair_body, pair_memory, pair_load = ti.static(soil.pair_body, soil.pair_memory, soil.pair_load)
     i, j = pairs[p][0], pairs[p][1]
     dx, dz = motion[j][X] - motion[i][X], motion[j][Z] - motion[i][Z]
     ri, rj = body[i][RADIUS], body[j][RADIUS]
@@ -115,7 +156,7 @@ def pair_forces(
             pair_memory[p][ROLL],
             constants,
         )
-        if ti.static(features & COHESIVE):
+        if ti.static(soil.features & COHESIVE):
             normal -= constants[COHESION]
         fx, fz = -normal * nx - shear * nz, -normal * nz + shear * nx
         moment_i, moment_j = shear * arm_i + moment, shear * arm_j - moment
@@ -125,26 +166,13 @@ def pair_forces(
 
 
 @ti.func
-def boundary_force(
-    i,
-    overlap,
-    nx,
-    nz,
-    surface_x,
-    surface_z,
-    spin,
-    friction,
-    shear,
-    roll,
-    constants: Ref,
-    motion: Ref,
-    body: Ref,
-):
+def boundary_force(i, overlap, nx, nz, surface_x, surface_z, spin, friction, shear, roll, soil: Ref):
     """Force (fx, fz) and moment on grain `i` from a boundary it touches, rolling moment, spring to remember.
 
     (nx, nz) points from the grain into the boundary, whose surface moves at (surface_x, surface_z) where they
     touch, and turns at `spin`.
     """
+    motion, body = ti.static(soil.motion, soil.body)
     arm = body[i][RADIUS] - 0.5 * overlap
     vx, vz = motion[i][VX] - surface_x, motion[i][VZ] - surface_z
     normal, tangential, moment, spring = contact(
@@ -157,18 +185,19 @@ def boundary_force(
         friction,
         shear,
         roll,
-        constants,
+        soil.constants,
     )
     fx, fz = -normal * nx - tangential * nz, -normal * nz + tangential * nx
     return fx, fz, tangential * arm + moment, moment, spring
 
 
 @ti.func
-def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
+def wall_forces(i, soil: Ref):
     """Force and moment of floor, left and right wall on grain `i`."""
+    memory = ti.static(soil.wall_memory)
     total = ti.Vector([0.0, 0.0, 0.0])
-    r, x, z = body[i][RADIUS], motion[i][X], motion[i][Z]
-    overlaps = ti.Vector([r - z, r - x, x + r - constants[WIDTH]])
+    r, x, z = soil.body[i][RADIUS], soil.motion[i][X], soil.motion[i][Z]
+    overlaps = ti.Vector([r - z, r - x, x + r - soil.constants[WIDTH]])
     for wall in ti.static(range(WALL_COUNT)):
         spring, moment = 0.0, 0.0
         if overlaps[wall] > 0.0:
@@ -180,12 +209,10 @@ def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
                 0.0,
                 0.0,
                 0.0,
-                constants[WALL_FRICTION],
+                soil.constants[WALL_FRICTION],
                 memory[i][2 * wall + SHEAR],
                 memory[i][2 * wall + ROLL],
-                constants,
-                motion,
-                body,
+                soil,
             )
             total += ti.Vector([fx, fz, turning])
         memory[i][2 * wall + SHEAR] = spring
@@ -194,8 +221,9 @@ def wall_forces(i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
 
 
 @ti.func
-def nearest_on_part(part, x, z, tool: Ref, parts: Ref):
+def nearest_on_part(part, x, z, soil: Ref):
     """Nearest point of a part's line to (x, z), in the world, and whether another part owns it."""
+    tool, parts = ti.static(soil.tool, soil.parts)
     cosine, sine = tool[TOOL_COS], tool[TOOL_SIN]
     # the grain in the tool's frame
     dx, dz = x - tool[TOOL_X], z - tool[TOOL_Z]
@@ -212,22 +240,14 @@ def nearest_on_part(part, x, z, tool: Ref, parts: Ref):
 
 
 @ti.func
-def tool_force(
-    i,
-    c,
-    constants: Ref,
-    tool: Ref,
-    parts: Ref,
-    tool_parts: Ref,
-    motion: Ref,
-    body: Ref,
-    memory: Ref,
-    reaction: Ref,
-):
+def tool_force(i, c, soil: Ref):
     """Force and moment on grain `i` of its tool contact `c`; what the tool feels goes to `reaction`."""
+    constants, motion, body, tool = ti.static(soil.constants, soil.motion, soil.body, soil.tool)
+    parts, tool_parts, memory = ti.static(soil.parts, soil.tool_parts, soil.tool_memory)
+    reaction = ti.static(soil.reaction)
     part = tool_parts[c]
     x, z = motion[i][X], motion[i][Z]
-    qx, qz, foreign = nearest_on_part(part, x, z, tool, parts)
+    qx, qz, foreign = nearest_on_part(part, x, z, soil)
     dx, dz = qx - x, qz - z
     square, reach = dx * dx + dz * dz, body[i][RADIUS] + parts[part][PART_RADIUS]
     fx, fz, turning, moment, spring, about_axle = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
@@ -248,9 +268,7 @@ def tool_force(
             constants[TOOL_FRICTION],
             memory[c][SHEAR],
             memory[c][ROLL],
-            constants,
-            motion,
-            body,
+            soil,
         )
         about_axle = lz * fx - lx * fz - moment
     memory[c][SHEAR], memory[c][ROLL] = spring, moment
@@ -259,49 +277,23 @@ def tool_force(
 
 
 @ti.func
-def move_grain(
-    i,
-    constants: Ref,
-    motion: Ref,
-    body: Ref,
-    first_contact: Ref,
-    contacts: Ref,
-    pair_load: Ref,
-    near_wall: Ref,
-    wall_memory: Ref,
-    near_tool: Ref,
-    first_tool_contact: Ref,
-    tool: Ref,
-    parts: Ref,
-    tool_parts: Ref,
-    tool_memory: Ref,
-    reaction: Ref,
-):
+def move_grain(i, soil: Ref):
     """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
-    load = grain_load(i, constants, motion, body, first_contact, contacts, pair_load, near_wall, wall_memory)
-    near = near_tool[i]
+    load = grain_load(i, soil)
+    near = soil.near_tool[i]
     if near >= 0:
-        for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
-            load += tool_force(i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction)
-    step_grain(i, load, constants, motion, body)
+        for c in range(soil.first_tool_contact[near], soil.first_tool_contact[near + 1]):
+            load += tool_force(i, c, soil)
+    step_grain(i, load, soil)
 
 
 @ti.func
-def grain_load(
-    i,
-    constants: Ref,
-    motion: Ref,
-    body: Ref,
-    first_contact: Ref,
-    contacts: Ref,
-    pair_load: Ref,
-    near_wall: Ref,
-    wall_memory: Ref,
-):
+def grain_load(i, soil: Ref):
     """Force and moment on grain `i` of walls, then of other grains in the order of its contacts."""
+    first_contact, contacts, pair_load = ti.static(soil.first_contact, soil.contacts, soil.pair_load)
     load = ti.Vector([0.0, 0.0, 0.0])
-    if near_wall[i] != 0:
-        load = wall_forces(i, constants, motion, body, wall_memory)
+    if soil.near_wall[i] != 0:
+        load = wall_forces(i, soil)
     for c in range(first_contact[i], first_contact[i + 1]):
         p, end = contacts[c] >> 1, contacts[c] & 1
         sign = 1.0 - 2.0 * end
@@ -312,48 +304,54 @@ def grain_load(
 
 
 @ti.func
-def step_grain(i, load, constants: Ref, motion: Ref, body: Ref):
+def step_grain(i, load, soil: Ref):
     """One step of a grain's motion under a force and a moment."""
+    constants, motion, body = ti.static(soil.constants, soil.motion, soil.body)
     dt, mass, drag = constants[TIME_STEP], body[i][MASS], constants[DRAG]
-    motion[i][VX] += dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[i][VX])
-    motion[i][VZ] += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[i][VZ])
-    motion[i][SPIN] += dt * (load[2] / body[i][INERTIA] - drag * motion[i][SPIN])
-    motion[i][X] += dt * motion[i][VX]
-    motion[i][Z] += dt * motion[i][VZ]
-    motion[i][ANGLE] += dt * motion[i][SPIN]
+    increase(motion, i, VX, dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[i][VX]))
+    increase(motion, i, VZ, dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[i][VZ]))
+    increase(motion, i, SPIN, dt * (load[2] / body[i][INERTIA] - drag * motion[i][SPIN]))
+    increase(motion, i, X, dt * motion[i][VX])
+    increase(motion, i, Z, dt * motion[i][VZ])
+    increase(motion, i, ANGLE, dt * motion[i][SPIN])
 
 
 @ti.func
-def move_tool(constants: Ref, tool: Ref, reaction: Ref, tool_contact_count):
+def move_tool(soil: Ref):
     """Sum what the grains do to the implement, in a fixed order; then one step of its motion.
 
     It travels and turns as it is told, and rises and sinks as it is told, or under its load.
     """
-    dt = constants[TIME_STEP]
+    tool, reaction = ti.static(soil.tool, soil.reaction)
+    dt = soil.constants[TIME_STEP]
     fx, fz, moment = 0.0, 0.0, 0.0
-    for c in range(tool_contact_count):
+    for c in range(soil.tool_contact_count):
         fx += reaction[c][0]
         fz += reaction[c][1]
         moment += reaction[c][2]
-    tool[TOOL_PX] += dt * fx
-    tool[TOOL_PZ] += dt * fz
-    tool[TOOL_PM] += dt * moment
+    increase_entry(tool, TOOL_PX, dt * fx)
+    increase_entry(tool, TOOL_PZ, dt * fz)
+    increase_entry(tool, TOOL_PM, dt * moment)
     if tool[TOOL_HEAVES] != 0.0:
-        tool[TOOL_VZ] += dt * (fz - tool[TOOL_LOAD]) / tool[TOOL_MASS]
-    tool[TOOL_X] += dt * tool[TOOL_VX]
-    tool[TOOL_Z] += dt * tool[TOOL_VZ]
-    tool[TOOL_ANGLE] += dt * tool[TOOL_SPIN]
+        increase_entry(tool, TOOL_VZ, dt * (fz - tool[TOOL_LOAD]) / tool[TOOL_MASS])
+    increase_entry(tool, TOOL_X, dt * tool[TOOL_VX])
+    increase_entry(tool, TOOL_Z, dt * tool[TOOL_VZ])
+    increase_entry(tool, TOOL_ANGLE, dt * tool[TOOL_SPIN])
     tool[TOOL_COS], tool[TOOL_SIN] = ti.cos(tool[TOOL_ANGLE]), ti.sin(tool[TOOL_ANGLE])
 
 
 @ti.kernel
 def advance(
-    steps: ti.template(),
+    unrolled: ti.template(),
     features: ti.template(),
-    constants: Row,
     grain_count: ti.i32,
     pair_count: ti.i32,
-    tool_contact_count: ti.i32,
+    workers: ti.i32,
+    steps: ti.i32,
+    grain_bounds: Index,
+    pair_bounds: Index,
+    board: Index,
+    constants: Row,
     motion: rows(6),
     body: rows(4),
     pairs: rows(2, ti.i32),
@@ -368,43 +366,40 @@ def advance(
     first_tool_contact: Index,
     tool: Row,
     parts: rows(6),
+    tool_contact_count: ti.i32,
     tool_parts: Index,
     tool_memory: rows(2),
     reaction: rows(3),
 ):
-    """So many steps in one launch, unrolled: each loop below is a parallel task of its own.
-
-    A task costs as much as a few hundred pairs, so the implement takes its step beside the pairs of the next
-    one, which do not ask where it is; after the last, it has a task of its own.
-    """
-    for step in ti.static(range(steps)):
-        for p in range(pair_count + ti.static(int(step > 0))):
-            if p < pair_count:
-                pair_forces(features, p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
-            else:
-                move_tool(constants, tool, reaction, tool_contact_count)
-        for i in range(grain_count):
-            move_grain(
-                i,
-                constants,
-                motion,
-                body,
-                first_contact,
-                contacts,
-                pair_load,
-                near_wall,
-                wall_memory,
-                near_tool,
-                first_tool_contact,
-                tool,
-                parts,
-                tool_parts,
-                tool_memory,
-                reaction,
-            )
-    ti.loop_config(serialize=True)
-    for _only in range(1):
-        move_tool(constants, tool, reaction, tool_contact_count)
+    """The steps of one launch."""
+    team = ti.static(
+        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, board)
+    )
+    soil = ti.static(
+        Soil(
+            features,
+            constants,
+            motion,
+            body,
+            pairs,
+            pair_body,
+            pair_memory,
+            pair_load,
+            first_contact,
+            contacts,
+            near_wall,
+            wall_memory,
+            near_tool,
+            first_tool_contact,
+            tool,
+            parts,
+            tool_contact_count,
+            tool_parts,
+            tool_memory,
+            reaction,
+        )
+    )
+    take_steps(team, pair_forces, move_grain, move_tool, soil)
 
 
 @ti.kernel

@@ -30,16 +30,19 @@ from synth.dem.kernels import (
     TOOL_Z,
     WALL_COUNT,
     Index,
-    Ref,
     Row,
+    Soil,
     X,
     Z,
     boundary_force,
     grain_load,
+    increase,
+    increase_entry,
     pair_forces,
     rows,
     step_grain,
 )
+from synth.dem.step_kernels import Ref, Team, take_steps
 
 # components of `rim`: a node in the world, what acts on it, and where it is unloaded in the hub's frame
 NODE_X, NODE_Z, NODE_VX, NODE_VZ, NODE_FX, NODE_FZ, REST_X, REST_Z = range(8)
@@ -78,22 +81,12 @@ def _direction(rim: Ref, a, b):
 
 
 @ti.func
-def bar_force(
-    i,
-    c,
-    constants: Ref,
-    tool: Ref,
-    parts: Ref,
-    rim: Ref,
-    tool_parts: Ref,
-    motion: Ref,
-    body: Ref,
-    memory: Ref,
-    reaction: Ref,
-    node_force: Ref,
-):
+def bar_force(i, c, soil: Ref):
     """Force and moment on grain `i` of its contact `c` with a bar of the rim; what the bar feels is kept."""
-    a = tool_parts[c]
+    constants, motion, body, tool = ti.static(soil.constants, soil.motion, soil.body, soil.tool)
+    parts, memory, reaction = ti.static(soil.parts, soil.tool_memory, soil.reaction)
+    rim, node_force = ti.static(soil.rim, soil.node_force)
+    a = soil.tool_parts[c]
     b = (a + 1) % rim.shape[0]
     x, z = motion[i][X], motion[i][Z]
     ax, az = rim[a][NODE_X], rim[a][NODE_Z]
@@ -123,9 +116,7 @@ def bar_force(
             constants[TOOL_FRICTION],
             memory[c][SHEAR],
             memory[c][ROLL],
-            constants,
-            motion,
-            body,
+            soil,
         )
         couple = (lz * fx - lx * fz - moment) / square_length
         hx, hz = qx + lx - tool[TOOL_X], qz + lz - tool[TOOL_Z]
@@ -140,27 +131,26 @@ def bar_force(
 
 
 @ti.func
-def _load_by_grains(
-    constants: Ref, tool: Ref, rim: Ref, tool_parts: Ref, reaction: Ref, node_force: Ref, contacts
-):
+def _load_by_grains(soil: Ref):
     """What the grains do to every node, instead of what was there; and to the wheel in all."""
-    count, dt = rim.shape[0], constants[TIME_STEP]
+    tool, rim, reaction, node_force = ti.static(soil.tool, soil.rim, soil.reaction, soil.node_force)
+    count, dt = rim.shape[0], soil.constants[TIME_STEP]
     for k in range(count):
         rim[k][NODE_FX], rim[k][NODE_FZ] = 0.0, 0.0
     fx, fz, moment = 0.0, 0.0, 0.0
-    for c in range(contacts):
-        a = tool_parts[c]
+    for c in range(soil.tool_contact_count):
+        a = soil.tool_parts[c]
         b = (a + 1) % count
-        rim[a][NODE_FX] += node_force[c][FIRST_FX]
-        rim[a][NODE_FZ] += node_force[c][FIRST_FZ]
-        rim[b][NODE_FX] += node_force[c][SECOND_FX]
-        rim[b][NODE_FZ] += node_force[c][SECOND_FZ]
+        increase(rim, a, NODE_FX, node_force[c][FIRST_FX])
+        increase(rim, a, NODE_FZ, node_force[c][FIRST_FZ])
+        increase(rim, b, NODE_FX, node_force[c][SECOND_FX])
+        increase(rim, b, NODE_FZ, node_force[c][SECOND_FZ])
         fx += reaction[c][0]
         fz += reaction[c][1]
         moment += reaction[c][2]
-    tool[TOOL_PX] += dt * fx
-    tool[TOOL_PZ] += dt * fz
-    tool[TOOL_PM] += dt * moment
+    increase_entry(tool, TOOL_PX, dt * fx)
+    increase_entry(tool, TOOL_PZ, dt * fz)
+    increase_entry(tool, TOOL_PM, dt * moment)
 
 
 @ti.func
@@ -181,8 +171,8 @@ def _load_by_hub(tool: Ref, ring: Ref, rim: Ref):
         vz = rim[k][NODE_VZ] - tool[TOOL_VZ] - tool[TOOL_SPIN] * px
         fx = -radial * ox + along * oz - ring[DAMPING] * vx
         fz = -radial * oz - along * ox - ring[DAMPING] * vz
-        rim[k][NODE_FX] += fx
-        rim[k][NODE_FZ] += fz
+        increase(rim, k, NODE_FX, fx)
+        increase(rim, k, NODE_FZ, fz)
         hub -= ti.Vector([fx, fz, px * fz - pz * fx])
     return hub
 
@@ -203,47 +193,61 @@ def _load_by_neighbours(ring: Ref, rim: Ref):
         # a moment on a bar is a couple at its ends
         before_x, before_z = -moment * bz / square_before, moment * bx / square_before
         after_x, after_z = -moment * ez / square, moment * ex / square
-        rim[last][NODE_FX] -= before_x
-        rim[last][NODE_FZ] -= before_z
-        rim[k][NODE_FX] += before_x + after_x + tension * ex
-        rim[k][NODE_FZ] += before_z + after_z + tension * ez
-        rim[following][NODE_FX] -= after_x + tension * ex
-        rim[following][NODE_FZ] -= after_z + tension * ez
+        increase(rim, last, NODE_FX, -before_x)
+        increase(rim, last, NODE_FZ, -before_z)
+        increase(rim, k, NODE_FX, before_x + after_x + tension * ex)
+        increase(rim, k, NODE_FZ, before_z + after_z + tension * ez)
+        increase(rim, following, NODE_FX, -(after_x + tension * ex))
+        increase(rim, following, NODE_FZ, -(after_z + tension * ez))
 
 
 @ti.func
-def move_wheel(
-    constants: Ref, tool: Ref, ring: Ref, rim: Ref, tool_parts: Ref, reaction: Ref, node_force: Ref, contacts
-):
+def move_wheel(soil: Ref):
     """One step of rim and hub, which travels and turns as told, and rises and sinks by rim and load."""
-    dt = constants[TIME_STEP]
-    _load_by_grains(constants, tool, rim, tool_parts, reaction, node_force, contacts)
+    tool, ring, rim = ti.static(soil.tool, soil.ring, soil.rim)
+    dt = soil.constants[TIME_STEP]
+    _load_by_grains(soil)
     hub = _load_by_hub(tool, ring, rim)
     _load_by_neighbours(ring, rim)
     for k in range(rim.shape[0]):
-        rim[k][NODE_VX] += dt * rim[k][NODE_FX] / ring[NODE_MASS]
-        rim[k][NODE_VZ] += dt * rim[k][NODE_FZ] / ring[NODE_MASS]
-        rim[k][NODE_X] += dt * rim[k][NODE_VX]
-        rim[k][NODE_Z] += dt * rim[k][NODE_VZ]
-    ring[HUB_PX] += dt * hub[0]
-    ring[HUB_PZ] += dt * hub[1]
-    ring[HUB_PM] += dt * hub[2]
+        increase(rim, k, NODE_VX, dt * rim[k][NODE_FX] / ring[NODE_MASS])
+        increase(rim, k, NODE_VZ, dt * rim[k][NODE_FZ] / ring[NODE_MASS])
+        increase(rim, k, NODE_X, dt * rim[k][NODE_VX])
+        increase(rim, k, NODE_Z, dt * rim[k][NODE_VZ])
+    increase_entry(ring, HUB_PX, dt * hub[0])
+    increase_entry(ring, HUB_PZ, dt * hub[1])
+    increase_entry(ring, HUB_PM, dt * hub[2])
     if tool[TOOL_HEAVES] != 0.0:
-        tool[TOOL_VZ] += dt * (hub[1] - tool[TOOL_LOAD]) / tool[TOOL_MASS]
-    tool[TOOL_X] += dt * tool[TOOL_VX]
-    tool[TOOL_Z] += dt * tool[TOOL_VZ]
-    tool[TOOL_ANGLE] += dt * tool[TOOL_SPIN]
+        increase_entry(tool, TOOL_VZ, dt * (hub[1] - tool[TOOL_LOAD]) / tool[TOOL_MASS])
+    increase_entry(tool, TOOL_X, dt * tool[TOOL_VX])
+    increase_entry(tool, TOOL_Z, dt * tool[TOOL_VZ])
+    increase_entry(tool, TOOL_ANGLE, dt * tool[TOOL_SPIN])
     tool[TOOL_COS], tool[TOOL_SIN] = ti.cos(tool[TOOL_ANGLE]), ti.sin(tool[TOOL_ANGLE])
+
+
+@ti.func
+def move_grain(i, soil: Ref):
+    """As `synth.dem.kernels.move_grain`, among the bars of a rim."""
+    load = grain_load(i, soil)
+    near = soil.near_tool[i]
+    if near >= 0:
+        for c in range(soil.first_tool_contact[near], soil.first_tool_contact[near + 1]):
+            load += bar_force(i, c, soil)
+    step_grain(i, load, soil)
 
 
 @ti.kernel
 def advance(
-    steps: ti.template(),
+    unrolled: ti.template(),
     features: ti.template(),
-    constants: Row,
     grain_count: ti.i32,
     pair_count: ti.i32,
-    tool_contact_count: ti.i32,
+    workers: ti.i32,
+    steps: ti.i32,
+    grain_bounds: Index,
+    pair_bounds: Index,
+    board: Index,
+    constants: Row,
     motion: rows(6),
     body: rows(4),
     pairs: rows(2, ti.i32),
@@ -258,6 +262,7 @@ def advance(
     first_tool_contact: Index,
     tool: Row,
     parts: rows(6),
+    tool_contact_count: ti.i32,
     tool_parts: Index,
     tool_memory: rows(2),
     reaction: rows(3),
@@ -266,34 +271,34 @@ def advance(
     node_force: rows(4),
 ):
     """As `synth.dem.kernels.advance`; the rim takes its step where the implement does."""
-    for step in ti.static(range(steps)):
-        for p in range(pair_count + ti.static(int(step > 0))):
-            if p < pair_count:
-                pair_forces(features, p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
-            else:
-                move_wheel(constants, tool, ring, rim, tool_parts, reaction, node_force, tool_contact_count)
-        for i in range(grain_count):
-            load = grain_load(
-                i, constants, motion, body, first_contact, contacts, pair_load, near_wall, wall_memory
-            )
-            near = near_tool[i]
-            if near >= 0:
-                for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
-                    load += bar_force(
-                        i,
-                        c,
-                        constants,
-                        tool,
-                        parts,
-                        rim,
-                        tool_parts,
-                        motion,
-                        body,
-                        tool_memory,
-                        reaction,
-                        node_force,
-                    )
-            step_grain(i, load, constants, motion, body)
-    ti.loop_config(serialize=True)
-    for _only in range(1):
-        move_wheel(constants, tool, ring, rim, tool_parts, reaction, node_force, tool_contact_count)
+    team = ti.static(
+        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, board)
+    )
+    soil = ti.static(
+        Soil(
+            features,
+            constants,
+            motion,
+            body,
+            pairs,
+            pair_body,
+            pair_memory,
+            pair_load,
+            first_contact,
+            contacts,
+            near_wall,
+            wall_memory,
+            near_tool,
+            first_tool_contact,
+            tool,
+            parts,
+            tool_contact_count,
+            tool_parts,
+            tool_memory,
+            reaction,
+            ring,
+            rim,
+            node_force,
+        )
+    )
+    take_steps(team, pair_forces, move_grain, move_wheel, soil)

@@ -12,6 +12,7 @@ from synth.dem.grains import Grains, length_of
 from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
 from synth.dem.neighbours import Carried, NeighbourList, list_neighbours, neighbour_list_of
 from synth.dem.rim import rim_rows, ring_row, with_nodes
+from synth.dem.sharing import Shares, worker_count
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.scene import GRAVITY
 
@@ -21,9 +22,10 @@ _REBUILD_AT = 0.4
 """Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
 _SPARE = 1.1
 """Room of arrays whose length changes / what they have to hold."""
-_MOST_UNWATCHED = 4
-"""Launches between two looks at how far grains have moved, at most."""
-
+_MOST_UNWATCHED = 32
+"""Steps between two looks at how far grains have moved, at most."""
+_LEAST_UNWATCHED = 8
+"""Steps between two looks, at least: neighbours are listed anew rather than looked at more often."""
 
 _FINER = "take contact.steps_per_contact higher, or timing.speed_up or the load lower"
 _SAVED_ARRAYS = (
@@ -77,6 +79,8 @@ class Solver:
     def __post_init__(self) -> None:
         import taichi as ti
 
+        from synth.dem.step_kernels import board_size
+
         self._ti: Any = ti
         grains = self.grains
         self._layout = layout = layout_of(grains, self.law)
@@ -107,7 +111,11 @@ class Solver:
         self._tool_memory = self._array(np.zeros((1, layout.memory)))
         self._reaction: Any = None
         self._node_force: Any = None
-        self._unwatched, self._watch_after = 0, 1
+        self._workers = worker_count(ti, grains.count)
+        self._board = self._array(np.zeros(board_size(self._workers), np.int32))
+        self._grain_bounds: Any = None
+        self._pair_bounds: Any = None
+        self._unwatched, self._watch_after = 0, _LEAST_UNWATCHED
         self._list_neighbours()
 
     def advance(self, steps: int) -> None:
@@ -118,12 +126,12 @@ class Solver:
         SimulationError
             A grain moved so far between two looks that a contact may have been missed.
         """
-        at_once = self._layout.kernels.STEPS_PER_LAUNCH
-        whole, rest = divmod(steps, at_once)
-        for chunk in [at_once] * whole + [1] * rest:
-            self._launch(chunk)
-            self.time += chunk * self.time_step
-            self._unwatched += 1
+        left = steps
+        while left > 0:
+            taken = self._launch(min(left, self._watch_after - self._unwatched))
+            left -= taken
+            self.time += taken * self.time_step
+            self._unwatched += taken
             if self._unwatched >= self._watch_after:
                 self._watch()
         self._watch()
@@ -236,19 +244,30 @@ class Solver:
             nodes = state["listed_nodes"] if self.tool.ring is not None else None
             self._listed_tool = replace(self.read_tool(), x=x, z=z, angle=angle, nodes=nodes)
 
-    def _launch(self, steps: int) -> None:
-        from synth.dem import rim_kernels
+    def _launch(self, wanted: int) -> int:
+        """Take about as many steps as wanted, in one launch; returns how many, never more than wanted."""
+        from synth.dem import rim_kernels, step_kernels
 
         assert self._neighbours is not None
         elastic = self.tool is not None and self.tool.ring is not None
         advance = rim_kernels.advance if elastic else self._layout.kernels.advance
+        if self._workers:
+            unrolled, steps = 0, min(wanted, step_kernels.STEPS_AT_ONCE)
+            self._board.fill(0)
+        else:
+            at_once = self._layout.kernels.STEPS_UNROLLED
+            unrolled = steps = at_once if wanted >= at_once else 1
         advance(
-            steps,
+            unrolled,
             self._layout.features,
-            self._constants,
             self.grains.count,
             self._neighbours.pairs.shape[1],
-            self._tool_contacts.parts.size,
+            self._workers,
+            steps,
+            self._grain_bounds,
+            self._pair_bounds,
+            self._board,
+            self._constants,
             self._motion,
             self._body,
             self._pairs,
@@ -263,11 +282,13 @@ class Solver:
             self._first_tool_contact,
             self._tool,
             self._parts,
+            self._tool_contacts.parts.size,
             self._tool_parts,
             self._tool_memory,
             self._reaction,
             *((self._ring, self._rim, self._node_force) if elastic else ()),
         )
+        return steps
 
     def _watch(self) -> None:
         """List neighbours anew in time, and stop where that came too late.
@@ -286,9 +307,9 @@ class Solver:
             raise SimulationError(f"the implement moved {tool_shift:.3g} m in a few time steps", _FINER)
         shift, speed = max(shift, tool_shift), max(speed, self._tool_speed())
         left = _REBUILD_AT * self._skin - shift
-        reach = max(speed * self.time_step * k.STEPS_PER_LAUNCH, 1e-9 * self._skin)
-        self._unwatched, self._watch_after = 0, min(_MOST_UNWATCHED, max(1, int(0.5 * left / reach)))
-        if left < reach:  # it would be too late after the next launch
+        reach = max(speed * self.time_step, 1e-9 * self._skin)
+        self._unwatched, self._watch_after = 0, int(min(_MOST_UNWATCHED, 0.5 * left / reach))
+        if self._watch_after < _LEAST_UNWATCHED:
             self._list_neighbours()
 
     def _tool_shift(self) -> float:
@@ -315,7 +336,7 @@ class Solver:
 
     def _list_neighbours(self) -> None:
         position = self._layout.position(self._motion.to_numpy())
-        self._unwatched, self._watch_after = 0, 1
+        self._unwatched, self._watch_after = 0, _LEAST_UNWATCHED
         self._listed.from_numpy(np.ascontiguousarray(position.T))
         self._list_pairs(position)
         self._list_tool_contacts(position[[0, -1]])
@@ -348,6 +369,8 @@ class Solver:
 
     def _put_lists_on_device(self) -> None:
         """What follows from the lists of pairs and of contacts with the implement."""
+        from synth.dem.step_kernels import CHUNKS
+
         assert self._neighbours is not None
         pairs, contacts = self._neighbours, self._tool_contacts
         self._pairs = self._refilled(self._pairs, pairs.pairs.T)
@@ -356,6 +379,9 @@ class Solver:
         )
         self._first_contact = self._refilled(self._first_contact, pairs.first_contact)
         self._contacts = self._refilled(self._contacts, pairs.contacts)
+        shares = Shares.of(pairs, max(1, self._workers) * CHUNKS)
+        self._grain_bounds = self._refilled(self._grain_bounds, shares.grain_bounds)
+        self._pair_bounds = self._refilled(self._pair_bounds, shares.pair_bounds)
         self._near_tool = self._refilled(self._near_tool, contacts.near_tool)
         self._first_tool_contact = self._refilled(self._first_tool_contact, contacts.first_contact)
         self._tool_parts = self._refilled(self._tool_parts, contacts.parts)

@@ -37,13 +37,15 @@ from synth.dem.kernels import (
     WALL_FRICTION,
     WIDTH,
     Index,
-    Ref,
     Row,
+    Soil,
     Two,
+    increase,
     move_tool,
     nearest_on_part,
     rows,
 )
+from synth.dem.step_kernels import Ref, Team, take_steps
 
 # components of `motion`
 X, Y, Z, VX, VY, VZ, ANGLE, WX, WY, WZ = range(10)
@@ -59,8 +61,8 @@ SPHERE_CONSTANT_COUNT = CONSTANT_COUNT + 5
 # what a kernel is compiled for, beside COHESIVE
 HERTZIAN = 2
 
-STEPS_PER_LAUNCH = 1
-"""A step of many spheres is long against a launch, and several in one would be long to compile."""
+STEPS_UNROLLED = 1
+"""In one launch of ordinary loops: several would be long to compile."""
 
 Three = ti.types.vector(3, ti.f64)
 
@@ -101,7 +103,6 @@ def turned_into(value, normal):
 
 @ti.func
 def contact(
-    features: ti.template(),
     overlap,
     normal,
     velocity,
@@ -114,7 +115,7 @@ def contact(
     rolling_friction,
     shear,
     roll,
-    constants: Ref,
+    soil: Ref,
 ):
     """Force law of one contact; `normal` points from the grain to what it touches.
 
@@ -122,10 +123,10 @@ def contact(
     and the moment that are remembered. Returns the normal force, the tangential force and the rolling moment
     on the grain, and the tangential force to remember.
     """
-    dt = constants[TIME_STEP]
+    dt = soil.constants[TIME_STEP]
     stiffness, tangent = kn, kt
     spring_force = kn * overlap
-    if ti.static(features & HERTZIAN):
+    if ti.static(soil.features & HERTZIAN):
         patch = ti.sqrt(reach * overlap)
         stiffness, tangent = 2.0 * kn * patch, 8.0 * kt * patch
         spring_force = 2.0 / 3.0 * stiffness * overlap
@@ -142,18 +143,10 @@ def contact(
 
 
 @ti.func
-def pair_forces(
-    features: ti.template(),
-    p,
-    constants: Ref,
-    pairs: Ref,
-    pair_body: Ref,
-    motion: Ref,
-    body: Ref,
-    pair_memory: Ref,
-    pair_load: Ref,
-):
+def pair_forces(p, soil: Ref):
     """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
+    constants, motion, body, pairs = ti.static(soil.constants, soil.motion, soil.body, soil.pairs)
+    pair_body, pair_memory, pair_load = ti.static(soil.pair_body, soil.pair_memory, soil.pair_load)
     i, j = pairs[p][0], pairs[p][1]
     branch = three(motion, j, X) - three(motion, i, X)
     ri, rj = body[i][RADIUS], body[j][RADIUS]
@@ -168,7 +161,6 @@ def pair_forces(
         wi, wj = three(motion, i, WX), three(motion, j, WX)
         velocity = three(motion, i, VX) - three(motion, j, VX) + (arm_i * wi + arm_j * wj).cross(normal)
         pressing, tangential, turning_now, spring_now = contact(
-            features,
             overlap,
             normal,
             velocity,
@@ -181,9 +173,9 @@ def pair_forces(
             constants[ROLLING_FRICTION],
             three(pair_memory, p, SHEAR),
             three(pair_memory, p, ROLL),
-            constants,
+            soil,
         )
-        if ti.static(features & COHESIVE):
+        if ti.static(soil.features & COHESIVE):
             pressing -= constants[COHESION] * pair_body[p][REACH]
         turning, spring = turning_now, spring_now
         force = tangential - pressing * normal
@@ -197,28 +189,14 @@ def pair_forces(
 
 
 @ti.func
-def boundary_force(
-    features: ti.template(),
-    i,
-    overlap,
-    normal,
-    surface,
-    spin,
-    friction,
-    rolling_friction,
-    memory: Ref,
-    m,
-    constants: Ref,
-    motion: Ref,
-    body: Ref,
-):
+def boundary_force(i, overlap, normal, surface, spin, friction, rolling_friction, memory: Ref, m, soil: Ref):
     """Force, moment and rolling moment on grain `i` from a boundary it touches; its memory is record `m`.
 
     `normal` points from the grain into the boundary, whose surface moves at `surface` and turns at `spin`.
     """
+    constants, motion, body = ti.static(soil.constants, soil.motion, soil.body)
     arm, w = body[i][RADIUS] - 0.5 * overlap, three(motion, i, WX)
     pressing, tangential, turning, spring = contact(
-        features,
         overlap,
         normal,
         three(motion, i, VX) + arm * w.cross(normal) - surface,
@@ -231,7 +209,7 @@ def boundary_force(
         rolling_friction,
         three(memory, m, SHEAR),
         three(memory, m, ROLL),
-        constants,
+        soil,
     )
     keep(memory, m, SHEAR, spring)
     keep(memory, m, ROLL, turning)
@@ -255,11 +233,12 @@ def wall_at(wall, r, x, y, z, constants: Ref):
 
 
 @ti.func
-def wall_forces(features: ti.template(), i, constants: Ref, motion: Ref, body: Ref, memory: Ref):
+def wall_forces(i, soil: Ref):
     """Force and moment of all walls on grain `i`.
 
     Nothing holds a grain from rolling on glass more strongly than friction holds it there.
     """
+    constants, motion, body = ti.static(soil.constants, soil.motion, soil.body)
     force, moment, nothing = (
         ti.Vector([0.0, 0.0, 0.0]),
         ti.Vector([0.0, 0.0, 0.0]),
@@ -275,7 +254,6 @@ def wall_forces(features: ti.template(), i, constants: Ref, motion: Ref, body: R
             if wall >= 3:
                 rolling_friction = ti.min(rolling_friction, friction)
             pushed, turned, _rolling = boundary_force(
-                features,
                 i,
                 overlap,
                 normal,
@@ -283,41 +261,29 @@ def wall_forces(features: ti.template(), i, constants: Ref, motion: Ref, body: R
                 nothing,
                 friction,
                 rolling_friction,
-                memory,
+                soil.wall_memory,
                 m,
-                constants,
-                motion,
-                body,
+                soil,
             )
             force += pushed
             moment += turned
         else:
-            keep(memory, m, SHEAR, nothing)
-            keep(memory, m, ROLL, nothing)
+            keep(soil.wall_memory, m, SHEAR, nothing)
+            keep(soil.wall_memory, m, ROLL, nothing)
     return force, moment
 
 
 @ti.func
-def tool_force(
-    features: ti.template(),
-    i,
-    c,
-    constants: Ref,
-    tool: Ref,
-    parts: Ref,
-    tool_parts: Ref,
-    motion: Ref,
-    body: Ref,
-    memory: Ref,
-    reaction: Ref,
-):
+def tool_force(i, c, soil: Ref):
     """Force and moment on grain `i` of its tool contact `c`; what the tool feels goes to `reaction`.
 
     Counter-clockwise in the (x, z) plane, which is how the tool counts, is about -y.
     """
-    part = tool_parts[c]
+    constants, motion, body, tool = ti.static(soil.constants, soil.motion, soil.body, soil.tool)
+    parts, memory, reaction = ti.static(soil.parts, soil.tool_memory, soil.reaction)
+    part = soil.tool_parts[c]
     x, z = motion[i][X], motion[i][Z]
-    qx, qz, foreign = nearest_on_part(part, x, z, tool, parts)
+    qx, qz, foreign = nearest_on_part(part, x, z, soil)
     dx, dz = qx - x, qz - z
     square, reach = dx * dx + dz * dz, body[i][RADIUS] + parts[part][PART_RADIUS]
     nothing = ti.Vector([0.0, 0.0, 0.0])
@@ -330,7 +296,6 @@ def tool_force(
         lx, lz = x + arm * normal[0] - tool[TOOL_X], z + arm * normal[2] - tool[TOOL_Z]
         spin = tool[TOOL_SPIN]
         pushed, turned, rolling = boundary_force(
-            features,
             i,
             overlap,
             normal,
@@ -340,9 +305,7 @@ def tool_force(
             constants[ROLLING_FRICTION],
             memory,
             c,
-            constants,
-            motion,
-            body,
+            soil,
         )
         force, moment = pushed, turned
         about_axle = lz * force[0] - lx * force[2] + rolling[1]
@@ -354,41 +317,22 @@ def tool_force(
 
 
 @ti.func
-def move_grain(
-    features: ti.template(),
-    i,
-    constants: Ref,
-    motion: Ref,
-    body: Ref,
-    first_contact: Ref,
-    contacts: Ref,
-    pair_load: Ref,
-    near_wall: Ref,
-    wall_memory: Ref,
-    near_tool: Ref,
-    first_tool_contact: Ref,
-    tool: Ref,
-    parts: Ref,
-    tool_parts: Ref,
-    tool_memory: Ref,
-    reaction: Ref,
-):
+def move_grain(i, soil: Ref):
     """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
+    constants, motion, body, pair_load = ti.static(soil.constants, soil.motion, soil.body, soil.pair_load)
     force, moment = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
-    if near_wall[i] != 0:
-        force, moment = wall_forces(features, i, constants, motion, body, wall_memory)
-    for c in range(first_contact[i], first_contact[i + 1]):
-        p, end = contacts[c] >> 1, contacts[c] & 1
+    if soil.near_wall[i] != 0:
+        force, moment = wall_forces(i, soil)
+    for c in range(soil.first_contact[i], soil.first_contact[i + 1]):
+        p, end = soil.contacts[c] >> 1, soil.contacts[c] & 1
         sign = 1.0 - 2.0 * end
         for k in ti.static(range(3)):
             force[k] += sign * pair_load[p][FORCE + k]
             moment[k] += pair_load[p][MOMENT_1 + 3 * end + k]
-    near = near_tool[i]
+    near = soil.near_tool[i]
     if near >= 0:
-        for c in range(first_tool_contact[near], first_tool_contact[near + 1]):
-            pushed, turned = tool_force(
-                features, i, c, constants, tool, parts, tool_parts, motion, body, tool_memory, reaction
-            )
+        for c in range(soil.first_tool_contact[near], soil.first_tool_contact[near + 1]):
+            pushed, turned = tool_force(i, c, soil)
             force += pushed
             moment += turned
     dt, drag = constants[TIME_STEP], constants[DRAG]
@@ -399,17 +343,21 @@ def move_grain(
     keep(motion, i, VX, velocity)
     keep(motion, i, WX, spin)
     keep(motion, i, X, three(motion, i, X) + dt * velocity)
-    motion[i][ANGLE] -= dt * spin[1]
+    increase(motion, i, ANGLE, -dt * spin[1])
 
 
 @ti.kernel
 def advance(
-    steps: ti.template(),
+    unrolled: ti.template(),
     features: ti.template(),
-    constants: Row,
     grain_count: ti.i32,
     pair_count: ti.i32,
-    tool_contact_count: ti.i32,
+    workers: ti.i32,
+    steps: ti.i32,
+    grain_bounds: Index,
+    pair_bounds: Index,
+    board: Index,
+    constants: Row,
     motion: rows(10),
     body: rows(4),
     pairs: rows(2, ti.i32),
@@ -424,40 +372,40 @@ def advance(
     first_tool_contact: Index,
     tool: Row,
     parts: rows(6),
+    tool_contact_count: ti.i32,
     tool_parts: Index,
     tool_memory: rows(MEMORY),
     reaction: rows(3),
 ):
-    """So many steps in one launch, as of discs."""
-    for step in ti.static(range(steps)):
-        for p in range(pair_count + ti.static(int(step > 0))):
-            if p < pair_count:
-                pair_forces(features, p, constants, pairs, pair_body, motion, body, pair_memory, pair_load)
-            else:
-                move_tool(constants, tool, reaction, tool_contact_count)
-        for i in range(grain_count):
-            move_grain(
-                features,
-                i,
-                constants,
-                motion,
-                body,
-                first_contact,
-                contacts,
-                pair_load,
-                near_wall,
-                wall_memory,
-                near_tool,
-                first_tool_contact,
-                tool,
-                parts,
-                tool_parts,
-                tool_memory,
-                reaction,
-            )
-    ti.loop_config(serialize=True)
-    for _only in range(1):
-        move_tool(constants, tool, reaction, tool_contact_count)
+    """The steps of one launch, as of discs."""
+    team = ti.static(
+        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, board)
+    )
+    soil = ti.static(
+        Soil(
+            features,
+            constants,
+            motion,
+            body,
+            pairs,
+            pair_body,
+            pair_memory,
+            pair_load,
+            first_contact,
+            contacts,
+            near_wall,
+            wall_memory,
+            near_tool,
+            first_tool_contact,
+            tool,
+            parts,
+            tool_contact_count,
+            tool_parts,
+            tool_memory,
+            reaction,
+        )
+    )
+    take_steps(team, pair_forces, move_grain, move_tool, soil)
 
 
 @ti.kernel
