@@ -49,6 +49,12 @@ def list_neighbours(position: np.ndarray, radius: np.ndarray, skin: float) -> Ne
     return neighbour_list_of(np.stack(np.divmod(keys, radius.size)).astype(np.int32), radius.size)
 
 
+def gap_between(position: np.ndarray, radius: np.ndarray, pairs: np.ndarray) -> np.ndarray:
+    """Distance of the surfaces of two grains, m, negative where they overlap; `pairs` (2, P), shape (P,)."""
+    apart = position[:, pairs[0]] - position[:, pairs[1]]
+    return np.asarray(np.sqrt(np.einsum("kp,kp->p", apart, apart)) - radius[pairs].sum(axis=0))
+
+
 def _candidates(position: np.ndarray, radius: np.ndarray, skin: float) -> np.ndarray:
     """Pairs that may be near enough, each once, shape (C, 2): by classes of radius, each twice the last.
 

@@ -246,6 +246,7 @@ def advance(
     steps: ti.i32,
     grain_bounds: Index,
     pair_bounds: Index,
+    pair_order: Index,
     board: Index,
     constants: Row,
     motion: rows(6),
@@ -272,7 +273,7 @@ def advance(
 ):
     """As `synth.dem.kernels.advance`; the rim takes its step where the implement does."""
     team = ti.static(
-        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, board)
+        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, pair_order, board)
     )
     soil = ti.static(
         Soil(

@@ -10,7 +10,7 @@ from synth.dem.contacts import Contacts
 from synth.dem.failures import SimulationError
 from synth.dem.grains import Grains, length_of
 from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
-from synth.dem.neighbours import Carried, NeighbourList, list_neighbours, neighbour_list_of
+from synth.dem.neighbours import Carried, NeighbourList, gap_between, list_neighbours, neighbour_list_of
 from synth.dem.rim import rim_rows, ring_row, with_nodes
 from synth.dem.sharing import Shares, worker_count
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
@@ -115,6 +115,7 @@ class Solver:
         self._board = self._array(np.zeros(board_size(self._workers), np.int32))
         self._grain_bounds: Any = None
         self._pair_bounds: Any = None
+        self._pair_order: Any = None
         self._unwatched, self._watch_after = 0, _LEAST_UNWATCHED
         self._list_neighbours()
 
@@ -266,6 +267,7 @@ class Solver:
             steps,
             self._grain_bounds,
             self._pair_bounds,
+            self._pair_order,
             self._board,
             self._constants,
             self._motion,
@@ -379,9 +381,11 @@ class Solver:
         )
         self._first_contact = self._refilled(self._first_contact, pairs.first_contact)
         self._contacts = self._refilled(self._contacts, pairs.contacts)
-        shares = Shares.of(pairs, max(1, self._workers) * CHUNKS)
+        gap = gap_between(self._listed.to_numpy().T, self.grains.radius, pairs.pairs)
+        shares = Shares.of(pairs, gap < 0, max(1, self._workers) * CHUNKS)
         self._grain_bounds = self._refilled(self._grain_bounds, shares.grain_bounds)
         self._pair_bounds = self._refilled(self._pair_bounds, shares.pair_bounds)
+        self._pair_order = self._refilled(self._pair_order, shares.pair_order)
         self._near_tool = self._refilled(self._near_tool, contacts.near_tool)
         self._first_tool_contact = self._refilled(self._first_tool_contact, contacts.first_contact)
         self._tool_parts = self._refilled(self._tool_parts, contacts.parts)

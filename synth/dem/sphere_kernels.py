@@ -356,6 +356,7 @@ def advance(
     steps: ti.i32,
     grain_bounds: Index,
     pair_bounds: Index,
+    pair_order: Index,
     board: Index,
     constants: Row,
     motion: rows(10),
@@ -379,7 +380,7 @@ def advance(
 ):
     """The steps of one launch, as of discs."""
     team = ti.static(
-        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, board)
+        Team(unrolled, grain_count, pair_count, workers, steps, grain_bounds, pair_bounds, pair_order, board)
     )
     soil = ti.static(
         Soil(

@@ -44,6 +44,8 @@ class Team(NamedTuple):
         How many.
     grain_bounds, pair_bounds : array of int32, shape (workers * CHUNKS + 1,)
         Where the chunks of grains and of pairs begin and end.
+    pair_order : array of int32, shape (pair_count,)
+        Which pair after which; a chunk's pairs are its own in any order.
     board : array of int32, shape (board_size(workers),)
         All zero: for each phase, how far each queue and how many chunks are done.
     """
@@ -55,6 +57,7 @@ class Team(NamedTuple):
     steps: Any
     grain_bounds: Any
     pair_bounds: Any
+    pair_order: Any
     board: Any
 
 
@@ -107,7 +110,7 @@ def _work(me, team: Ref, pair_forces: Ref, move_grain: Ref, move_tool: Ref, soil
                     if c == 0 and phase > 0:
                         move_tool(soil)
                     for p in range(team.pair_bounds[c], team.pair_bounds[c + 1]):
-                        pair_forces(p, soil)
+                        pair_forces(team.pair_order[p], soil)
                 finished += 1
                 chunk = _claimed(team, counters + queue * _LINE, True)
         phase += 1

@@ -89,7 +89,7 @@ def test_chunks_hold_every_grain_and_pair_once_and_like_amounts_of_work():
     rng = np.random.default_rng(0)
     position = rng.uniform(0, 0.1, (2, 3000))
     listed = list_neighbours(position[:, np.argsort(position[0])], np.full(3000, 1e-3), 0.3e-3)
-    shares = Shares.of(listed, 16)
+    shares = Shares.of(listed, rng.random(listed.pairs.shape[1]) < 0.6, 16)
     for bounds, count in ((shares.grain_bounds, 3000), (shares.pair_bounds, listed.pairs.shape[1])):
         assert bounds[0] == 0 and bounds[-1] == count and bounds.size == 17
         assert (np.diff(bounds) >= 0).all()
@@ -105,5 +105,5 @@ def test_chunks_hold_every_grain_and_pair_once_and_like_amounts_of_work():
 
 def test_fewer_grains_than_chunks():
     listed = list_neighbours(np.array([[0.0, 1.9e-3], [0.0, 0.0]]), np.full(2, 1e-3), 0.3e-3)
-    shares = Shares.of(listed, 64)
+    shares = Shares.of(listed, np.array([True]), 64)
     assert shares.grain_bounds[-1] == 2 and shares.pair_bounds[-1] == 1
