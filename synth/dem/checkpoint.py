@@ -23,7 +23,7 @@ from synth.dem.solver import Solver
 
 CHECKPOINT_INTERVAL = 30.0
 """Wall time between two checkpoints, s: what a kill can cost."""
-_FORMAT = 2
+_FORMAT = 3
 _LIBRARIES = ("numpy", "scipy", "taichi")
 """Those whose numbers a recording is made of."""
 _STATE_FILE = "state.npz"

@@ -14,19 +14,13 @@ from synth.dem.neighbours import Carried, NeighbourList, gap_between, list_neigh
 from synth.dem.rim import rim_rows, ring_row, with_nodes
 from synth.dem.sharing import Shares, worker_count
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
+from synth.dem.watch import Watch
 from synth.scene import GRAVITY
 
 SKIN = 0.15
 """Thickness of the neighbour list's skin / mean grain diameter; thin, it has few pairs that do not touch."""
-_REBUILD_AT = 0.4
-"""Share of the skin a grain may move before neighbours are listed anew; past half, contacts are missed."""
 _SPARE = 1.1
 """Room of arrays whose length changes / what they have to hold."""
-_MOST_UNWATCHED = 32
-"""Steps between two looks at how far grains have moved, at most."""
-_LEAST_UNWATCHED = 8
-"""Steps between two looks, at least: neighbours are listed anew rather than looked at more often."""
-
 _FINER = "take contact.steps_per_contact higher, or timing.speed_up or the load lower"
 _SAVED_ARRAYS = (
     "motion", "listed", "wall_memory", "near_wall", "tool",
@@ -116,7 +110,7 @@ class Solver:
         self._grain_bounds: Any = None
         self._pair_bounds: Any = None
         self._pair_order: Any = None
-        self._unwatched, self._watch_after = 0, _LEAST_UNWATCHED
+        self._watch = Watch(self._skin)
         self._list_neighbours()
 
     def advance(self, steps: int) -> None:
@@ -129,13 +123,12 @@ class Solver:
         """
         left = steps
         while left > 0:
-            taken = self._launch(min(left, self._watch_after - self._unwatched))
+            taken = self._launch(min(left, self._watch.left))
             left -= taken
             self.time += taken * self.time_step
-            self._unwatched += taken
-            if self._unwatched >= self._watch_after:
-                self._watch()
-        self._watch()
+            self._watch.unwatched += taken
+            if self._watch.left == 0 or left == 0:
+                self._look()
 
     def drive_tool(self, *, velocity_x: float, velocity_z: float, spin: float, load: float) -> None:
         """Tell the implement how to travel (m/s), how to turn (rad/s), and its load (N/m).
@@ -218,7 +211,7 @@ class Solver:
         contacts, listed = self._tool_contacts, self._listed_tool
         return {
             "time": np.array(self.time),
-            "watch_after": np.array(self._watch_after),
+            "watch_period": np.array(self._watch.period),
             "listed_tool": np.array([] if listed is None else [listed.x, listed.z, listed.angle]),
             "listed_nodes": np.zeros((0, 2)) if listed is None or listed.nodes is None else listed.nodes,
             "pairs": self._neighbours.pairs,
@@ -232,7 +225,7 @@ class Solver:
     def restore_state(self, state: dict[str, np.ndarray]) -> None:
         """Go on where a solver with the same grains, law and implement stood when it saved its state."""
         self.time = float(state["time"])
-        self._unwatched, self._watch_after = 0, int(state["watch_after"])
+        self._watch = Watch(self._skin, int(state["watch_period"]))
         self._neighbours = neighbour_list_of(state["pairs"], self.grains.count)
         self._tool_contacts = ToolContacts(
             *(state[name] for name in ("tool_near", "tool_first", "tool_part", "tool_keys"))
@@ -292,40 +285,27 @@ class Solver:
         )
         return steps
 
-    def _watch(self) -> None:
-        """List neighbours anew in time, and stop where that came too late.
-
-        The next look is due when the fastest grain, at its present speed, moves half of what is left.
-        """
-        if self._unwatched == 0:
-            return
-        k = self._layout.kernels
-        squares = k.greatest_shift_and_speed(self.grains.count, self._motion, self._listed)
+    def _look(self) -> None:
+        """List neighbours anew in time, and stop where that came too late."""
+        squares = self._layout.kernels.greatest_shift_and_speed(self.grains.count, self._motion, self._listed)
         shift, speed = (float(np.sqrt(square)) for square in squares)
-        if shift > 0.5 * self._skin:
+        if self._watch.too_far(shift):
             raise SimulationError(self._blow_up(), _FINER)
-        tool_shift = self._tool_shift()
-        if tool_shift > 0.5 * self._skin:
+        tool_shift, tool_speed = self._of_tool()
+        if self._watch.too_far(tool_shift):
             raise SimulationError(f"the implement moved {tool_shift:.3g} m in a few time steps", _FINER)
-        shift, speed = max(shift, tool_shift), max(speed, self._tool_speed())
-        left = _REBUILD_AT * self._skin - shift
-        reach = max(speed * self.time_step, 1e-9 * self._skin)
-        self._unwatched, self._watch_after = 0, int(min(_MOST_UNWATCHED, 0.5 * left / reach))
-        if self._watch_after < _LEAST_UNWATCHED:
+        if self._watch.list_anew(max(shift, tool_shift), max(speed, tool_speed) * self.time_step):
             self._list_neighbours()
 
-    def _tool_shift(self) -> float:
-        return 0.0 if self._listed_tool is None else self.read_tool().shift_since(self._listed_tool)
-
-    def _tool_speed(self) -> float:
-        """Of the implement's fastest point, m/s; 0 without one."""
-        if self.tool is None:
-            return 0.0
+    def _of_tool(self) -> tuple[float, float]:
+        """How far the implement has moved since its contacts were listed, m, and its greatest speed, m/s."""
+        if self.tool is None or self._listed_tool is None:
+            return 0.0, 0.0
         tool = self.read_tool()
-        rigid = float(np.hypot(tool.velocity_x, tool.velocity_z)) + abs(tool.spin) * tool.shape.reach
-        if tool.ring is None:
-            return rigid
-        return max(rigid, float(np.hypot(*self._rim.to_numpy()[:, 2:4].T).max()))
+        speed = float(np.hypot(tool.velocity_x, tool.velocity_z)) + abs(tool.spin) * tool.shape.reach
+        if tool.node_velocity is not None:
+            speed = max(speed, float(np.hypot(*tool.node_velocity.T).max()))
+        return tool.shift_since(self._listed_tool), speed
 
     def _blow_up(self) -> str:
         listed, grains = self._listed.to_numpy().T, self.read_grains()
@@ -338,7 +318,6 @@ class Solver:
 
     def _list_neighbours(self) -> None:
         position = self._layout.position(self._motion.to_numpy())
-        self._unwatched, self._watch_after = 0, _LEAST_UNWATCHED
         self._listed.from_numpy(np.ascontiguousarray(position.T))
         self._list_pairs(position)
         self._list_tool_contacts(position[[0, -1]])

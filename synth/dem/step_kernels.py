@@ -19,7 +19,7 @@ import taichi as ti
 
 Ref = ti.template()  # an array, or what holds several, handed on to a function
 
-STEPS_AT_ONCE = 32
+STEPS_AT_ONCE = 64
 """In one launch of a team, at most: a worker that has left comes back with the next."""
 CHUNKS = 32
 """Of a worker's queue, in each phase of a step: one takes some microseconds."""
