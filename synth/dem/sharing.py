@@ -9,6 +9,8 @@ from synth.dem.neighbours import NeighbourList
 
 _GRAINS_A_WORKER = 128
 """At least: fewer are sooner done by one than two have met."""
+_GRAIN_STEPS = 320_000
+"""Grains x steps of a launch, some 10 ms of two cores: so long may one worker be alone where others left."""
 
 
 @dataclass(frozen=True)
@@ -50,3 +52,10 @@ def worker_count(ti: Any, grain_count: int) -> int:
     if config.arch not in (ti.x64, ti.arm64):
         return 0
     return max(1, min(config.cpu_max_num_threads, grain_count // _GRAINS_A_WORKER))
+
+
+def steps_at_once(grain_count: int) -> int:
+    """Steps that a team takes of so many grains in one launch, at most."""
+    from synth.dem.step_kernels import STEPS_AT_ONCE
+
+    return min(STEPS_AT_ONCE, max(1, _GRAIN_STEPS // grain_count))

@@ -12,7 +12,7 @@ from synth.dem.grains import Grains, length_of
 from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
 from synth.dem.neighbours import Carried, NeighbourList, gap_between, list_neighbours, neighbour_list_of
 from synth.dem.rim import rim_rows, ring_row, with_nodes
-from synth.dem.sharing import Shares, worker_count
+from synth.dem.sharing import Shares, steps_at_once, worker_count
 from synth.dem.tool import Tool, ToolContacts, ToolImpulse, list_tool_contacts
 from synth.dem.watch import Watch
 from synth.scene import GRAVITY
@@ -240,13 +240,13 @@ class Solver:
 
     def _launch(self, wanted: int) -> int:
         """Take about as many steps as wanted, in one launch; returns how many, never more than wanted."""
-        from synth.dem import rim_kernels, step_kernels
+        from synth.dem import rim_kernels
 
         assert self._neighbours is not None
         elastic = self.tool is not None and self.tool.ring is not None
         advance = rim_kernels.advance if elastic else self._layout.kernels.advance
         if self._workers:
-            unrolled, steps = 0, min(wanted, step_kernels.STEPS_AT_ONCE)
+            unrolled, steps = 0, min(wanted, steps_at_once(self.grains.count))
             self._board.fill(0)
         else:
             at_once = self._layout.kernels.STEPS_UNROLLED

@@ -20,7 +20,7 @@ import taichi as ti
 Ref = ti.template()  # an array, or what holds several, handed on to a function
 
 STEPS_AT_ONCE = 64
-"""In one launch of a team, at most: a worker that has left comes back with the next."""
+"""In one launch of a team, at most; `synth.dem.sharing` says how many of so many grains."""
 CHUNKS = 32
 """Of a worker's queue, in each phase of a step: one takes some microseconds."""
 
