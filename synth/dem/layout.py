@@ -9,6 +9,7 @@ import numpy as np
 
 from synth.dem.contact_law import ContactLaw, HertzMindlinLaw, Law, contact_damping
 from synth.dem.grains import Grains, Spheres
+from synth.dem.tool import Tool
 
 if TYPE_CHECKING:
     from synth.dem.solver import Solver
@@ -178,6 +179,28 @@ def pair_rows(grains: Grains, law: Law, time_step: float, pairs: np.ndarray) -> 
     (mi, mj), (ri, rj) = grains.mass[pairs], grains.radius[pairs]
     reach = ri * rj / (ri + rj)
     return np.stack([contact_damping(law, mi * mj / (mi + mj), reach, time_step), reach], axis=1)
+
+
+def tool_row(tool: Tool | None) -> np.ndarray:
+    """Entries of `tool`; without an implement, those of one that does nothing."""
+    from synth.dem import kernels as k
+
+    row = np.zeros(k.TOOL_SIZE)
+    row[[k.TOOL_COS, k.TOOL_MASS]] = 1.0
+    if tool is not None:
+        row[[k.TOOL_X, k.TOOL_Z, k.TOOL_ANGLE]] = tool.x, tool.z, tool.angle
+        row[[k.TOOL_COS, k.TOOL_SIN]] = np.cos(tool.angle), np.sin(tool.angle)
+        row[[k.TOOL_VX, k.TOOL_VZ, k.TOOL_SPIN]] = tool.velocity_x, tool.velocity_z, tool.spin
+        row[[k.TOOL_MASS, k.TOOL_LOAD, k.TOOL_HEAVES]] = tool.mass, tool.load, tool.heaves
+    return row
+
+
+def part_rows(tool: Tool | None) -> np.ndarray:
+    """Capsules of the implement in the columns that the kernels read, shape (C, 6)."""
+    if tool is None:
+        return np.zeros((1, 6))
+    shape = tool.shape
+    return np.column_stack([shape.start, shape.end, shape.radius, shape.continues])
 
 
 def device_array(ti: Any, values: np.ndarray) -> Any:

@@ -9,7 +9,7 @@ from synth.dem.contact_law import Law
 from synth.dem.contacts import Contacts
 from synth.dem.failures import SimulationError
 from synth.dem.grains import Grains, length_of
-from synth.dem.layout import body_rows, device_array, layout_of, pair_rows
+from synth.dem.layout import body_rows, device_array, layout_of, pair_rows, part_rows, tool_row
 from synth.dem.neighbours import Carried, NeighbourList, gap_between, list_neighbours, neighbour_list_of
 from synth.dem.rim import rim_rows, ring_row, with_nodes
 from synth.dem.sharing import Shares, steps_at_once, worker_count
@@ -83,8 +83,8 @@ class Solver:
         self._body = self._array(body_rows(grains, self.law, self.time_step))
         rows, numbers = layout.wall_memory
         self._wall_memory = self._array(np.zeros((rows * grains.count, numbers)))
-        self._tool = self._array(_tool_row(self.tool))
-        self._parts = self._array(_part_rows(self.tool))
+        self._tool = self._array(tool_row(self.tool))
+        self._parts = self._array(part_rows(self.tool))
         self._constants = self._array(layout.constants(self))
         self._ring = self._array(ring_row(self.tool))
         self._rim = self._array(rim_rows(self.tool))
@@ -388,24 +388,3 @@ class Solver:
             return self._array(padded)
         array.from_numpy(padded)
         return array
-
-
-def _tool_row(tool: Tool | None) -> np.ndarray:
-    from synth.dem import kernels as k
-
-    row = np.zeros(k.TOOL_SIZE)
-    row[[k.TOOL_COS, k.TOOL_MASS]] = 1.0
-    if tool is not None:
-        row[[k.TOOL_X, k.TOOL_Z, k.TOOL_ANGLE]] = tool.x, tool.z, tool.angle
-        row[[k.TOOL_COS, k.TOOL_SIN]] = np.cos(tool.angle), np.sin(tool.angle)
-        row[[k.TOOL_VX, k.TOOL_VZ, k.TOOL_SPIN]] = tool.velocity_x, tool.velocity_z, tool.spin
-        row[[k.TOOL_MASS, k.TOOL_LOAD, k.TOOL_HEAVES]] = tool.mass, tool.load, tool.heaves
-    return row
-
-
-def _part_rows(tool: Tool | None) -> np.ndarray:
-    """Capsules of the implement in the columns that the kernels read, shape (C, 6)."""
-    if tool is None:
-        return np.zeros((1, 6))
-    shape = tool.shape
-    return np.column_stack([shape.start, shape.end, shape.radius, shape.continues])
