@@ -18,12 +18,15 @@ from soft.flow.black_anandan.pyramid import LEAST_SIDE, Level, carried, extended
 from soft.flow.black_anandan.settings import PRESETS, Settings
 from soft.flow.black_anandan.texture import texture
 from soft.flow.black_anandan.uncertainty import standard_deviation
-from soft.flow.coarse_search import better_of, common_shift
+from soft.flow.coarse_search import better_of, common_shift, least_side, search
 from soft.flow.estimator import Estimator
 from soft.flow.field import FlowField
+from soft.flow.opencv import to_8bit
 from soft.flow.options import require_choice, require_count
 from soft.flow.way_back import MISSES, way_back
 
+_FINEST = 2
+"""Level of the pyramid on which the coarse search ends that motion starts from."""
 _MARGIN, _TEXTURE_MARGIN = 1, 4
 """Px along a mask's edge that are not used: slopes reach over it, and a picture's texture further."""
 
@@ -80,12 +83,14 @@ def _solve(
 
 
 def _start(first: np.ndarray, second: np.ndarray, settings: Settings) -> np.ndarray:
-    """Rest, or at each pixel the shift that most of the picture shares, if that explains it better."""
-    rest = np.zeros((*first.shape, 2), np.float32)
-    shift = common_shift(first, second) if settings.common_shift else None
-    if shift is None:
-        return rest
-    return better_of(first, second, rest + shift, rest)
+    """Rest, or a coarse search's motion and, where it explains a pixel better, the shift that most share."""
+    start = np.zeros((*first.shape, 2), np.float32)
+    if not settings.coarse_start:
+        return start
+    if min(first.shape) >= least_side(_FINEST):
+        start = search(to_8bit(first), to_8bit(second), finest=_FINEST)
+    shift = common_shift(first, second)
+    return start if shift is None else better_of(first, second, 0 * start + shift, start)
 
 
 def _refined(

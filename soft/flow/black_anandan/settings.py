@@ -51,8 +51,9 @@ class Settings:
         With Lorentzian penalties, near motion boundaries, a weighted median of a large window instead.
     texture : bool
         Work on the pictures' texture instead of their grey levels.
-    common_shift : bool
-        Start from the shift that most of the picture shares, where that is large and explains a pixel better.
+    coarse_start : bool
+        Start from dense inverse search on coarse levels, and from the shift that most of the picture shares
+        where that is large and explains a pixel better; else from rest.
     """
 
     stages: tuple[Stage, ...]
@@ -63,13 +64,13 @@ class Settings:
     median: int
     nonlocal_median: bool
     texture: bool
-    common_shift: bool
+    coarse_start: bool
 
 
 PRESETS = {
     "accurate": Settings(
         stages=(
-            Stage(1.0, 2.0, 10, 0.045, 3.5, 0.1),
+            Stage(1.0, 2.0, 4, 0.045, 3.5, 0.1),
             Stage(0.0, 1.25, 2, 0.045, 3.5, 0.1),
             Stage(0.0, 1.25, 2, 0.045, 1.5, 0.04),
         ),
@@ -80,7 +81,7 @@ PRESETS = {
         median=5,
         nonlocal_median=True,
         texture=True,
-        common_shift=True,
+        coarse_start=True,
     ),
     "soft-2014": Settings(
         stages=(
@@ -95,6 +96,6 @@ PRESETS = {
         median=1,
         nonlocal_median=False,
         texture=False,
-        common_shift=False,
+        coarse_start=False,
     ),
 }
