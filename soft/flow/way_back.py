@@ -38,7 +38,7 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.n
     turned = _turned(forward, searched)
     off = mismatch(after, before, turned, box=_BOX)
     factor = np.where(off < _AGREEING * np.median(off) + _SLACK, 1, _CLEARLY)
-    right = off < factor * mismatch(after, before, searched, box=_BOX)
+    right = off <= factor * mismatch(after, before, searched, box=_BOX)
     return np.where(right[:, :, None], turned, searched)
 
 
