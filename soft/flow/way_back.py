@@ -35,18 +35,27 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.n
     searched = np.zeros_like(forward)
     if min(first.shape) >= least_side(_FINEST):
         searched = search(after, before, finest=_FINEST)
-    turned = _turned(forward, searched)
+    fits = _agree(mismatch(before, after, np.nan_to_num(forward), box=_BOX))
+    turned = _turned(forward, fits, searched)
     off = mismatch(after, before, turned, box=_BOX)
-    factor = np.where(off < _AGREEING * np.median(off) + _SLACK, 1, _CLEARLY)
+    factor = np.where(_agree(off), 1, _CLEARLY)
     right = off <= factor * mismatch(after, before, searched, box=_BOX)
     return np.where(right[:, :, None], turned, searched)
 
 
-def _turned(forward: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
-    """What moved there turned round, at the pixel where it has landed; elsewhere as told."""
+def _agree(off: np.ndarray) -> np.ndarray:
+    return off < _AGREEING * np.median(off) + _SLACK
+
+
+def _turned(forward: np.ndarray, fits: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
+    """What moved there turned round, at the pixel where it has landed; elsewhere as told.
+
+    Where several have landed, one under whose motion the pictures fit stands.
+    """
     height, width = forward.shape[:2]
     x, y = (np.rint(place).astype(np.int32) for place in landing(forward))
     inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
-    turned = otherwise.copy()
-    turned.reshape(-1, 2)[(y * width + x)[inside]] = -forward[inside]
+    turned, place = otherwise.copy(), y * width + x
+    for some in (inside & ~fits, inside & fits):
+        turned.reshape(-1, 2)[place[some]] = -forward[some]
     return turned
