@@ -90,7 +90,7 @@ class NuisanceSweep(PictureStudy):
         return f"95 % error over all the wheel's soil: {'; '.join(_worst_of_each_method(rows))}."
 
     def draw(self, findings: Findings) -> "Figure":
-        """One column a nuisance; dotted: the clean picture."""
+        """One column a nuisance, errors on a logarithmic scale; dotted: the clean picture."""
         from matplotlib.figure import Figure
 
         figure = Figure(figsize=(13, 5.6), layout="constrained")
@@ -98,14 +98,15 @@ class NuisanceSweep(PictureStudy):
         methods = sorted({str(row["method"]) for row in findings.rows})
         for line, (scene, stratum, quantity, label) in enumerate(_PANELS):
             chosen = [r for r in findings.rows if (r["scene"], r["stratum"]) == (scene, stratum)]
-            top = 1.15 * max((float(row[quantity]) for row in chosen), default=1.0)
+            low, top = _span([float(row[quantity]) for row in chosen])
             for place, nuisance in enumerate(SEVERITIES):
                 axes = grid[line, place]
                 for method, colour in zip(methods, _COLOURS, strict=False):
                     own = [row for row in chosen if row["method"] == method]
                     _draw_lines(axes, own, nuisance, quantity, colour)
                 axes.set_xlim(0)
-                axes.set_ylim(0, top)
+                axes.set_yscale("log", nonpositive="clip")
+                axes.set_ylim(low, top)
                 axes.tick_params(labelsize=7)
                 axes.set_title(nuisance if line == 0 else "", fontsize=9)
                 if place:
@@ -179,6 +180,12 @@ def error_columns(errors: ErrorSummary) -> Row:
         **shares,
         "wrong": math.nan if wrong is None else 100 * wrong,
     }
+
+
+def _span(values: Sequence[float]) -> tuple[float, float]:
+    """Ends of a logarithmic axis for values of which some may be zero or unknown."""
+    positive = [value for value in values if value > 0]
+    return (min(positive) / 1.3, max(positive) * 1.3) if positive else (0.1, 1.0)
 
 
 def _draw_lines(axes: "Axes", rows: Sequence[Row], nuisance: str, quantity: str, colour: str) -> None:
