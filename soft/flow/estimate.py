@@ -129,8 +129,7 @@ def has_texture(picture: np.ndarray) -> np.ndarray:
 def lands_inside(displacement: np.ndarray) -> np.ndarray:
     """Tell where a displacement (H, W, 2) px ends between the outermost pixel centres; False for NaN."""
     height, width = displacement.shape[:2]
-    x = np.arange(width, dtype=np.float32) + displacement[:, :, 0]
-    y = np.arange(height, dtype=np.float32)[:, None] + displacement[:, :, 1]
+    x, y = landing(displacement)
     return (x >= 0) & (x <= width - 1) & (y >= 0) & (y <= height - 1)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 
 from soft.flow.coarse_search import least_side, mismatch, search
 from soft.flow.consistency import landing
+from soft.flow.field import FlowField
 from soft.flow.opencv import to_8bit
 
 MISSES = 2.0
@@ -18,7 +19,7 @@ _CLEARLY = 0.85
 """Where they do not, something must explain them better by this factor."""
 
 
-def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.ndarray:
+def way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options: object) -> np.ndarray:
     """Motion from the second picture to the first, (H, W, 2) px on the grid of the second.
 
     A coarse search's, or the forward motion turned round where the pictures agree better under it: what is
@@ -28,15 +29,17 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: np.ndarray) -> np.n
     ----------
     first, second : (H, W) float32
         Grey levels, 0-255.
-    forward : (H, W, 2) float32
-        Px; NaN where not measured.
+    forward : FlowField
+    options : object
+        The method's own, which do not matter here.
     """
+    there = forward.displacement
     before, after = to_8bit(first), to_8bit(second)
-    searched = np.zeros_like(forward)
+    searched = np.zeros_like(there)
     if min(first.shape) >= least_side(_FINEST):
         searched = search(after, before, finest=_FINEST)
-    fits = _agree(mismatch(before, after, np.nan_to_num(forward), box=_BOX))
-    turned = _turned(forward, fits, searched)
+    fits = _agree(mismatch(before, after, np.nan_to_num(there), box=_BOX))
+    turned = _turned(there, fits, searched)
     off = mismatch(after, before, turned, box=_BOX)
     factor = np.where(_agree(off), 1, _CLEARLY)
     right = off <= factor * mismatch(after, before, searched, box=_BOX)

@@ -1,6 +1,8 @@
 """Pictures whose motion is known exactly: a texture that is a function of real coordinates."""
 
 import os
+import subprocess
+import sys
 from collections.abc import Callable
 from pathlib import Path
 
@@ -40,6 +42,24 @@ def moved(texture) -> Callable[..., tuple[np.ndarray, np.ndarray, np.ndarray]]:
         return texture(x, y), texture(origin[..., 0], origin[..., 1]), truth
 
     return pictures
+
+
+@pytest.fixture
+def printed_on() -> Callable[[str, tuple[int, ...]], set[str]]:
+    """What a program prints last in processes of its own, told how many threads to take as its argument."""
+
+    def printed(program: str, threads: tuple[int, ...]) -> set[str]:
+        environment = os.environ | {"TI_LOG_LEVEL": "error"}
+        runs = (
+            subprocess.run(
+                [sys.executable, "-c", program, str(count)],
+                capture_output=True, text=True, check=True, env=environment,
+            )
+            for count in threads
+        )  # fmt: skip
+        return {run.stdout.split()[-1] for run in runs}
+
+    return printed
 
 
 @pytest.fixture(scope="session")

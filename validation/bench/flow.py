@@ -2,8 +2,7 @@
 
 The analytic scenes at their own seeds, and any runs that are given. Own methods as users get them; peers as
 their libraries give them, without the check of the way back and the uncertainty that `estimate_flow` adds;
-grids at their nodes. No constant of ours was tuned on them: that was done on analytic scenes,
-`rolling_wheel` and `bucket` at seed 101.
+grids at their nodes. No constant of ours was tuned on them: that was done at seed 101.
 """
 
 from collections.abc import Callable, Sequence

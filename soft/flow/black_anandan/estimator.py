@@ -90,7 +90,7 @@ def _start(first: np.ndarray, second: np.ndarray, settings: Settings) -> np.ndar
     if min(first.shape) >= least_side(_FINEST):
         start = search(to_8bit(first), to_8bit(second), finest=_FINEST)
     shift = common_shift(first, second)
-    return start if shift is None else better_of(first, second, 0 * start + shift, start)
+    return start if shift is None else better_of(first, second, np.full_like(start, shift), start)
 
 
 def _refined(
@@ -121,5 +121,5 @@ ESTIMATOR = Estimator(
     keeps_to_mask=True,
     start=start_taichi,
     forward_backward=MISSES,
-    backward=lambda first, second, forward, _: way_back(first, second, forward.displacement),
+    backward=way_back,
 )

@@ -82,12 +82,12 @@ def _solve(
     first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
 ) -> FlowField:
     options = options.resolved
-    pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
-    thin, trusted = pair.thinned(_THIN), pair.only(shrunk(mask, DOUBTFUL)).thinned(_THIN)
+    pair, inner = PicturePair.of(first, second, shrunk(mask, MARGIN)), shrunk(mask, DOUBTFUL)
+    thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
     coarse = np.ascontiguousarray(seed(first, second)[::_THIN, ::_THIN])
     if options.preset == "accurate":
         thin, models = join(thin, trusted, _approached(trusted, coarse))
-        trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | shrunk(mask, DOUBTFUL))
+        trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | inner)
         pair, models = join(pair, trusted, spread(models, _THIN, pair.shape))
         chosen = _chosen(pair, models, _WINDOWS, options)
     else:
@@ -150,5 +150,5 @@ ESTIMATOR = Estimator(
     keeps_to_mask=True,
     start=start_taichi,
     forward_backward=MISSES,
-    backward=lambda first, second, forward, _: way_back(first, second, forward.displacement),
+    backward=way_back,
 )

@@ -1,8 +1,5 @@
 """`black-anandan` on pictures whose motion is known by formula, and its parts against their definitions."""
 
-import os
-import subprocess
-import sys
 from dataclasses import replace
 
 import cv2
@@ -263,12 +260,5 @@ print(hashlib.sha256(field.displacement.tobytes() + field.uncertainty.tobytes())
 """
 
 
-def test_same_bytes_on_one_and_two_threads():
-    digests = {
-        subprocess.run(
-            [sys.executable, "-c", _DIGEST, str(threads)],
-            capture_output=True, text=True, check=True, env=os.environ | {"TI_LOG_LEVEL": "error"},
-        ).stdout.split()[-1]
-        for threads in (1, 2)
-    }  # fmt: skip
-    assert len(digests) == 1
+def test_same_bytes_on_one_and_two_threads(printed_on):
+    assert len(printed_on(_DIGEST, (1, 2))) == 1
