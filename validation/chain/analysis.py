@@ -1,0 +1,143 @@
+"""Pictures to soil flow, and its figures."""
+
+from collections.abc import Sequence
+
+from validation.chain.scoring import require_truth
+from validation.chain.step import Work, made_by, skips
+from validation.manifest import file_digest, key_of
+from validation.material import Material
+from validation.methods import DEFAULT, Method
+from validation.run_folder import RunFolder
+from validation.terminal import Terminal
+
+_NEVER_SKIPPED = "a function of your own, whose code may have changed"
+
+
+def analyze(
+    run: RunFolder,
+    material: Material,
+    method: Method,
+    *,
+    soil: str = "bright",
+    vertical: bool = False,
+    work: Work,
+    terminal: Terminal,
+) -> None:
+    """Write `analysis/<method>.nc`."""
+    import soft
+
+    key = _analyze_key(material, method, soil, vertical)
+    step = _analyze_step(method)
+    if skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
+        return
+    with run.writing(step, key) as draft, terminal.progress(f"analyze with {method.name}") as progress:
+        path = draft.folder / "analysis" / f"{method.slug}.nc"
+        path.parent.mkdir()
+        soft.analyze(
+            material.sequence,
+            method=method.name,
+            soil=soil,
+            vertical=vertical,
+            threads=work.threads,
+            device=work.device,
+            progress=progress,
+            path=path,
+        ).close()
+        draft.facts |= {
+            "method": method.name,
+            "pictures": material.digest,
+            "soil": soil,
+            "vertical": vertical,
+        }
+
+
+def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
+    """Write `figures/` of measurements on pictures without truth."""
+    import soft
+
+    paths = {method.slug: run.analysis(method.slug) for method in methods}
+    key = key_of(step="figures", made_by=made_by(), analyses={s: file_digest(p) for s, p in paths.items()})
+    if skips(run, "figures", key, terminal):
+        return
+    with run.writing("figures", key) as draft, terminal.progress("figures") as progress:
+        for done, (slug, path) in enumerate(paths.items(), start=1):
+            folder = draft.folder / run.figures.name / slug
+            folder.mkdir(parents=True)
+            with soft.read_soil_flow(path) as flow:
+                soft.write_figures(flow, material.sequence, folder)
+            progress(done, len(paths))
+
+
+def analyzed_methods(run: RunFolder, material: Material, *, terminal: Terminal) -> list[Method]:
+    """Methods whose analysis of these very pictures is there; says which are left out."""
+    found = []
+    for step, record in run.manifest.steps.items():
+        if not step.startswith("analyze "):
+            continue
+        method = Method(str(record.facts.get("method")))
+        reason = run.why_do(step, record.key)
+        if record.facts.get("pictures") != material.digest:
+            reason = "of other pictures than these"
+        if reason is None:
+            found.append(method)
+        else:
+            terminal.say(f"{step}: {reason}: left out")
+    return found
+
+
+def require_methods(methods: Sequence[Method]) -> None:
+    """Refuse, before long work is done, a method that does not exist.
+
+    Raises
+    ------
+    soft.FlowError
+        A name that leads nowhere.
+    """
+    from soft.flow import find_estimator
+
+    for method in methods:
+        find_estimator(method.name)
+
+
+def methods_to_score(
+    run: RunFolder, material: Material, asked: Sequence[Method], *, work: Work, terminal: Terminal
+) -> list[Method]:
+    """Choose the methods asked for, analyzed where needed; else all analyzed ones; else the default."""
+    require_truth(material)
+    methods = list(asked) or analyzed_methods(run, material, terminal=terminal)
+    if asked or not methods:
+        methods = methods or [Method(DEFAULT)]
+        for method in methods:
+            analyze(run, material, method, work=work, terminal=terminal)
+    return methods
+
+
+def _analyze_step(method: Method) -> str:
+    return f"analyze {method.slug}"
+
+
+def _analyze_key(material: Material, method: Method, soil: str, vertical: bool) -> str:
+    return key_of(
+        step="analyze",
+        made_by=made_by("numpy", "opencv-python-headless", "scikit-learn", *_needs(method)),
+        pictures=material.digest,
+        method=method.name,
+        files=_flow_files(method),
+        soil=soil,
+        vertical=vertical,
+    )
+
+
+def _needs(method: Method) -> list[str]:
+    from soft.flow import NEEDS
+
+    return [NEEDS[method.name]] if method.name in NEEDS else []
+
+
+def _flow_files(method: Method) -> list[str]:
+    """SHA-256 of every file of flow measured elsewhere, in order."""
+    if not method.is_files:
+        return []
+    from soft.flow import FlowFiles
+
+    return [file_digest(path) for path in FlowFiles(method.folder).sources]

@@ -1,0 +1,78 @@
+"""The folders that commands work on, and what is said when they are done."""
+
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any
+
+import typer
+
+from validation.terminal import Terminal
+
+
+@contextmanager
+def opened_material(path: Path, out: Path | None, **scale: float | None) -> Iterator[tuple[Any, Any]]:
+    """Open the folder that results go to, and the pictures."""
+    from validation import chain
+    from validation.material import Material, results_folder
+    from validation.run_folder import RunFolder, is_run_folder
+
+    chosen = results_folder(path, out)
+    if chosen != path and (chosen / "recording.nc").is_file():
+        raise typer.BadParameter(f"--out: {chosen} is the run folder of a simulation, not for other pictures")
+    if is_run_folder(path):
+        _refuse_scale(path, scale)
+        with RunFolder.open(path) as source:
+            material = chain.footage_of(source)
+            if chosen == path:
+                yield source, material
+                return
+            with RunFolder.create(chosen) as results:
+                yield results, material
+        return
+    material = Material.open(path, **scale)
+    with RunFolder.create(chosen) as results:
+        yield results, material
+
+
+def _refuse_scale(path: Path, scale: dict[str, float | None]) -> None:
+    given = [name for name, value in scale.items() if value is not None]
+    if given:
+        option = f"--{given[0].replace('_', '-')}"
+        raise typer.BadParameter(f"{option}: {path} is a run folder, whose footage knows its own")
+
+
+@contextmanager
+def methods_of_this_folder() -> Iterator[None]:
+    """Let a user's own `package.module:function` lie in the current folder."""
+    here = str(Path.cwd())
+    sys.path.insert(0, here)
+    try:
+        yield
+    finally:
+        sys.path.remove(here)
+
+
+def step_document(run: Any, *steps: str) -> dict[str, Any]:
+    """Say what steps did, as one JSON document."""
+    done = {step: run.manifest.steps[step] for step in steps}
+    return {
+        "schema_version": 1,
+        "folder": str(run.path),
+        "steps": {
+            step: {"seconds": record.seconds, "files": record.files, **record.facts}
+            for step, record in done.items()
+        },
+    }
+
+
+def show_scores(run: Any, scores: Any, terminal: Terminal) -> None:
+    """Show scores as a table, beside published ones, or as JSON."""
+    from validation.score_table import published_lines, score_table
+
+    terminal.show(score_table(scores))
+    for line in published_lines(run):
+        terminal.show(line)
+    terminal.show(f"scores: {run.scores}\nreport: {run.report}")
+    terminal.give(scores.to_dict())
