@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.crop import Crop
+
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
 
@@ -30,39 +32,6 @@ _SHOWN = 160
 
 class PicturesError(ValueError):
     """Pictures that cannot be compared; the message is one line."""
-
-
-@dataclass(frozen=True)
-class Crop:
-    """A part of a picture: left column, top row, width and height, px."""
-
-    x: int
-    y: int
-    width: int
-    height: int
-
-    @classmethod
-    def parse(cls, text: str) -> "Crop":
-        """Read `X,Y,WIDTH,HEIGHT`.
-
-        Raises
-        ------
-        PicturesError
-            It is none.
-        """
-        parts = text.split(",")
-        if len(parts) != 4 or not all(part.strip().isdecimal() for part in parts):
-            raise PicturesError(f"crop {text!r}: X,Y,WIDTH,HEIGHT in whole px are needed")
-        return cls(*(int(part) for part in parts))
-
-    def of(self, picture: np.ndarray, name: str) -> np.ndarray:
-        """Cut it out of a picture."""
-        height, width = picture.shape
-        if self.x + self.width > width or self.y + self.height > height:
-            raise PicturesError(
-                f"crop {self.x},{self.y},{self.width},{self.height}: {name} has {width} x {height} px"
-            )
-        return picture[self.y : self.y + self.height, self.x : self.x + self.width]
 
 
 @dataclass(frozen=True, eq=False)
@@ -153,7 +122,7 @@ def read_pictures(path: Path, crop: Crop | None = None, *, binning: int = 1) -> 
 
     Raises
     ------
-    PicturesError, soft.SequenceError
+    CropError, PicturesError, soft.SequenceError
         There is no picture, one cannot be read, or the crop does not fit.
     """
     from soft.natural_order import natural_key

@@ -133,6 +133,13 @@ def score_flows(
     return {name: _summaries(parts) for name, parts in tallies.items()}
 
 
+def score_pair(truth: "xr.Dataset", flow: "xr.Dataset") -> dict[str, ErrorSummary]:
+    """Errors of one method in every stratum of one picture pair; both data sets over `y, x`."""
+    parts: dict[int, ErrorTally] = {}
+    _add_pair(parts, _membership(find_strata(truth).masks), truth, flow)
+    return _summaries(parts)
+
+
 def require_match(name: str, flow: "xr.Dataset", *, shape: tuple[int, int], pair_count: int) -> None:
     """Refuse a flow that was not measured on pictures of this shape (rows, columns) and number of pairs."""
     measured = (flow.sizes.get("y"), flow.sizes.get("x"))

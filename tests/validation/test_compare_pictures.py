@@ -9,7 +9,8 @@ import pytest
 from PIL import Image
 from scipy.ndimage import gaussian_filter
 
-from validation.compare_pictures import Crop, PicturesError, picture_statistics, read_pictures
+from validation.compare_pictures import picture_statistics, read_pictures
+from validation.crop import Crop, CropError
 
 SIDE = 600
 
@@ -127,7 +128,7 @@ def test_what_cannot_be_compared_is_one_line(softbed, tmp_path, monkeypatch, whi
 
 
 def test_a_crop_that_is_none():
-    with pytest.raises(PicturesError, match="whole px"):
+    with pytest.raises(CropError, match="whole px"):
         Crop.parse("1,2,3,-4")
 
 

@@ -30,11 +30,12 @@ def compare_pictures(
 ) -> None:
     """Set grey levels, grain size, spectrum, gradient and noise of pictures side by side."""
     from validation import compare_pictures as compare
+    from validation.crop import Crop
     from validation.figures import to_png
 
     terminal = Terminal(json=json)
     with terminal.working():
-        crops = [None if text is None else compare.Crop.parse(text) for text in (crop_a, crop_b)]
+        crops = [None if text is None else Crop.parse(text) for text in (crop_a, crop_b)]
         first, second = (
             compare.picture_statistics(compare.read_pictures(path, crop, binning=side), path.name)
             for path, crop, side in zip((a, b), crops, (bin_a, bin_b), strict=True)
