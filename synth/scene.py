@@ -32,6 +32,7 @@ _LOOSEST = 0.74
 """Solid fraction of discs, at least."""
 _PICTURE_TABLES = {"camera", "texture", "light", "lens", "sensor", "nuisance", "grains"}
 _LABELS = {"name", "description", "quick", "data_licence"}
+_PICTURES_ALONE = _PICTURE_TABLES | {"picture_seed"}
 _LONGEST_SHOWN = 80
 """Characters of a value that a complaint shows."""
 _RIVALS = {"settling_friction": "relative_density", "relative_density": "settling_friction"}
@@ -157,6 +158,12 @@ class _Titled(Table):
     name: str = Field(pattern=r"^[A-Za-z0-9_\-]+$")
     description: str
     seed: int = Field(default=0, ge=0, lt=2**63)
+    picture_seed: int | None = Field(
+        default=None,
+        ge=0,
+        lt=2**63,
+        description="of texture, noise and nuisances: other pictures of the same motion; default: seed",
+    )
     quick: bool = False
     data_licence: str = Field(
         default="CC-BY-4.0",
@@ -175,6 +182,11 @@ class _Titled(Table):
         return tomli_w.dumps(self.to_dict())
 
     @property
+    def seed_of_pictures(self) -> int:
+        """What texture, noise and nuisances are drawn from."""
+        return self.seed if self.picture_seed is None else self.picture_seed
+
+    @property
     def hash(self) -> str:
         """SHA-256 over every value of the scene, hexadecimal."""
         return _digest(self.to_dict())
@@ -182,7 +194,7 @@ class _Titled(Table):
     @property
     def simulation_hash(self) -> str:
         """SHA-256 over what the motion depends on: the scene without its pictures, looks and labels."""
-        told = {k: v for k, v in self.to_dict().items() if k not in _PICTURE_TABLES | _LABELS}
+        told = {k: v for k, v in self.to_dict().items() if k not in _PICTURES_ALONE | _LABELS}
         told.get("soil", {}).pop("look", None)
         return _digest(told)
 

@@ -67,11 +67,11 @@ def strew(scene: "AnalyticScene") -> Grains:
     # Mean square of a uniform diameter.
     square = (settings.smallest**2 + settings.smallest * settings.largest + settings.largest**2) / 3
     count = round(settings.coverage * width * height / (math.pi / 4 * square))
-    places = random_stream(scene.seed, Purpose.PLACES)
+    places = random_stream(scene.seed_of_pictures, Purpose.PLACES)
     x, y = places.uniform(-0.5, 0.5, count) * width, places.uniform(-0.5, 0.5, count) * height
-    sizes = random_stream(scene.seed, Purpose.SIZES)
+    sizes = random_stream(scene.seed_of_pictures, Purpose.SIZES)
     diameter = sizes.uniform(settings.smallest, settings.largest, count)
-    grey = random_stream(scene.seed, Purpose.GREYS).uniform(-1.0, 1.0, count)
+    grey = random_stream(scene.seed_of_pictures, Purpose.GREYS).uniform(-1.0, 1.0, count)
     deviation = np.sqrt((diameter / 4) ** 2 + scene.lens.blur**2)
     area = math.pi / 4 * diameter**2
     # Campbell's theorem: variance of a sum of shots strewn at random; that of the greys is 1/3.
@@ -117,7 +117,7 @@ def expose(scene: "AnalyticScene", light: np.ndarray, frame: int) -> np.ndarray:
     if frame % 2:
         level = sensor.gain * level + sensor.offset
     if sensor.noise > 0:
-        generator = random_stream(scene.seed, Purpose.NOISE, frame)
+        generator = random_stream(scene.seed_of_pictures, Purpose.NOISE, frame)
         level += sensor.noise * generator.standard_normal(level.shape, dtype=np.float32)
     scale, dtype = (1, np.uint8) if sensor.bits == 8 else (257, np.uint16)
     return np.rint(np.clip(level, 0, 255) * scale).astype(dtype)

@@ -54,11 +54,11 @@ class Glass:
 
     @classmethod
     def of(cls, scene: "Scene", recording: "Recording") -> Self:
-        """Marks drawn from the scene's seed; none of those whose severity is 0."""
+        """Marks drawn from the seed of the scene's pictures; none of those whose severity is 0."""
         nuisance, camera = scene.nuisance, scene.camera
         bounds = np.array([View.of(scene, recording, k).bounds() for k in range(recording.frame_count)])
         box = bounds[:, 0].min(), bounds[:, 1].max(), bounds[:, 2].min(), bounds[:, 3].max()
-        scratches, smudges = _marks(scene.seed, box)
+        scratches, smudges = _marks(scene.seed_of_pictures, box)
         across, down = np.array(_LAMPS).T
         lamps = np.column_stack(
             [
@@ -126,7 +126,7 @@ def _dirt(scene: "Scene") -> np.ndarray:
     passed = np.ones((camera.height, camera.width), np.float32)
     if severity == 0:
         return passed
-    stream = random_stream(scene.seed, Purpose.DIRT)
+    stream = random_stream(scene.seed_of_pictures, Purpose.DIRT)
     count = max(round(_SPECKS * camera.height * camera.width), 3)
     rows, columns = np.mgrid[: camera.height, : camera.width].astype(np.float32)
     places = zip(

@@ -78,7 +78,7 @@ def motion_of(scene: "Scene", recording: "Recording", grains: "MicroGrains") -> 
     """Motion that a scene chooses."""
     motion = _motion_of(scene, recording, grains)
     rate = scene.nuisance.exchange
-    return Exchanging(motion, rate, scene.seed) if rate > 0 else motion
+    return Exchanging(motion, rate, scene.seed_of_pictures) if rate > 0 else motion
 
 
 def _motion_of(scene: "Scene", recording: "Recording", grains: "MicroGrains") -> Motion:

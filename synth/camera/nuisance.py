@@ -29,7 +29,7 @@ def vibration(scene: "Scene", frame: int) -> tuple[float, float]:
     severity = scene.nuisance.vibration
     if severity == 0:
         return 0.0, 0.0
-    x, z = random_stream(scene.seed, Purpose.VIBRATION, frame).normal(0, severity, 2)
+    x, z = random_stream(scene.seed_of_pictures, Purpose.VIBRATION, frame).normal(0, severity, 2)
     return float(x) * scene.camera.metres_per_pixel, float(z) * scene.camera.metres_per_pixel
 
 
@@ -38,7 +38,8 @@ def flicker(scene: "Scene", frame: int) -> float:
     severity = scene.nuisance.flicker
     if severity == 0:
         return 1.0
-    return max(0.0, 1.0 + float(random_stream(scene.seed, Purpose.FLICKER, frame).normal(0, severity)))
+    stream = random_stream(scene.seed_of_pictures, Purpose.FLICKER, frame)
+    return max(0.0, 1.0 + float(stream.normal(0, severity)))
 
 
 def as_seen(recording: "Recording", scene: "Scene") -> "Recording":
@@ -53,7 +54,7 @@ def as_seen(recording: "Recording", scene: "Scene") -> "Recording":
     if severity == 0:
         return recording
     last = recording.frame_count - 1
-    shift = random_stream(scene.seed, Purpose.JITTER).normal(0, severity, recording.frame_count)
+    shift = random_stream(scene.seed_of_pictures, Purpose.JITTER).normal(0, severity, recording.frame_count)
     at = np.clip(np.arange(recording.frame_count) + np.clip(shift, -0.45, 0.45), 0, last)
     return states_at(recording, at)
 

@@ -35,7 +35,7 @@ def patches_at(
     left, right, bottom, top = bounds
     spacing = _SPACING * scene.camera.metres_per_pixel
     shape = math.ceil((top - bottom) / spacing) + 2, math.ceil((right - left) / spacing) + 2
-    stream = random_stream(scene.seed, Purpose.PATCHES)
+    stream = random_stream(scene.seed_of_pictures, Purpose.PATCHES)
     field = patch_field(shape, scene.texture.patch_size / spacing, stream)
     at = np.stack([(z - bottom) / spacing, (x - left) / spacing])
     return 1 + scene.texture.patches * map_coordinates(field, at, order=1)

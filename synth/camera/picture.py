@@ -131,7 +131,8 @@ def expose(scene: "Scene", light: "np.ndarray", frame: int) -> "np.ndarray":
     import numpy as np
 
     sensor = scene.sensor
-    noise = random_stream(scene.seed, Purpose.SENSOR, frame).standard_normal(light.shape, dtype=np.float32)
+    stream = random_stream(scene.seed_of_pictures, Purpose.SENSOR, frame)
+    noise = stream.standard_normal(light.shape, dtype=np.float32)
     electrons = light * np.float32(sensor.full_well)
     electrons += noise * np.sqrt(electrons + np.float32(sensor.read_noise**2))
     level = electrons / np.float32(sensor.full_well) + np.float32(sensor.black_level)

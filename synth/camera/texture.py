@@ -142,9 +142,9 @@ def _places_and_sizes(
     sizes, share = drawn_sizes(scene)
     area = (right - left) * (top - bottom)
     count = round(scene.texture.coverage * share * area / mean_grain_area(sizes))
-    places = random_stream(scene.seed, Purpose.PLACES)
+    places = random_stream(scene.seed_of_pictures, Purpose.PLACES)
     x, z = places.uniform(left, right, count), places.uniform(bottom, top, count)
-    diameter = draw_diameters(sizes, count, random_stream(scene.seed, Purpose.SIZES))
+    diameter = draw_diameters(sizes, count, random_stream(scene.seed_of_pictures, Purpose.SIZES))
     kept = np.flatnonzero(region.contains(x, z))
     order = kept[_cell_order(x[kept], z[kept], diameter[kept], region, scene.camera.metres_per_pixel)]
     return x[order], z[order], diameter[order]
@@ -169,10 +169,10 @@ def _with_looks(
     import numpy as np
 
     count, look, texture = len(x), scene.soil.look, scene.texture
-    looks = random_stream(scene.seed, Purpose.LOOKS)
+    looks = random_stream(scene.seed_of_pictures, Purpose.LOOKS)
     albedo = np.clip(looks.normal(look.albedo, look.albedo_deviation, count) * patches, 0.02, 1.0)
     slopes = looks.normal(0.0, texture.facet_slope, (2, count)).astype(np.float32)
-    depth = random_stream(scene.seed, Purpose.DEPTHS).integers(0, DEEPEST, count, dtype=np.int32)
+    depth = random_stream(scene.seed_of_pictures, Purpose.DEPTHS).integers(0, DEEPEST, count, dtype=np.int32)
     # At depth 0..1 of the texture lie 0..coverage layers of grains in front, and each takes its share.
     drawn_coverage = texture.coverage * drawn_sizes(scene)[1]
     light = (1 - scene.light.shade) ** (drawn_coverage / DEEPEST * depth)

@@ -59,6 +59,10 @@ def test_pictures_do_not_change_the_simulation_hash():
     darker = {**tables, "soil": {**tables["soil"], "look": {"albedo": 0.3, "albedo_deviation": 0.1}}}
     assert parse_scene(darker).simulation_hash == parse_scene(tables).simulation_hash
     assert parse_scene(darker).hash != parse_scene(tables).hash
+    repainted = parse_scene({**tables, "picture_seed": 7})
+    assert repainted.simulation_hash == parse_scene(tables).simulation_hash
+    assert repainted.hash != parse_scene(tables).hash
+    assert (repainted.seed_of_pictures, parse_scene(tables).seed_of_pictures) == (7, 0)
     assert parse_scene({**tables, "seed": 1}).simulation_hash != parse_scene(tables).simulation_hash
 
 

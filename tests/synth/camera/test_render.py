@@ -82,8 +82,9 @@ def test_the_file_holds_the_truth_of_the_recording(footage, turning):
     assert stored.attrs["scene_hash"] == turning.scene.hash
 
 
-def test_another_seed_is_another_texture_and_the_same_motion(footage, turning, tmp_path):
-    scene = turning.scene.model_copy(update={"seed": 9})
+@pytest.mark.parametrize("key", ["seed", "picture_seed"])
+def test_another_seed_is_another_texture_and_the_same_motion(footage, turning, tmp_path, key):
+    scene = turning.scene.model_copy(update={key: 9})
     with render(turning.recording, scene, tmp_path / "other") as other:
         assert not np.array_equal(other.picture(0), footage.picture(0))
         assert np.abs(other.truth(0).u - footage.truth(0).u).max() < 1e-4
