@@ -8,9 +8,8 @@ Student's t (Hesterberg 2015, "What teachers should know about the bootstrap"). 
 same pictures: what is resampled is their difference.
 """
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
-from itertools import combinations
 
 import numpy as np
 
@@ -48,29 +47,6 @@ class Interval:
     pair_count: int
 
 
-@dataclass(frozen=True)
-class Difference:
-    """How two methods differ on the same pictures.
-
-    Attributes
-    ----------
-    first, second : str
-        The methods.
-    interval : Interval
-        Of first less second: negative where the first has the smaller error. Not corrected.
-    p : float
-        Probability of so large a difference if there were none, corrected for all pairs of methods (Holm).
-    better : str or None
-        The method with the smaller error; None: no difference that could be told.
-    """
-
-    first: str
-    second: str
-    interval: Interval
-    p: float
-    better: str | None
-
-
 def block_bootstrap(
     realisations: Realisations, *, block_length: int, seed: int = 0, level: float = LEVEL
 ) -> Interval:
@@ -105,35 +81,35 @@ def block_bootstrap(
     return Interval(value, float(low), float(high), len(kept), sum(len(one) for one in kept))
 
 
-def paired_differences(
-    methods: Mapping[str, Realisations], *, block_length: int, seed: int = 0, level: float = LEVEL
-) -> list[Difference]:
-    """Compare every pair of methods on the same realisations and picture pairs.
+def paired_difference(
+    first: Realisations, second: Realisations, *, block_length: int, seed: int = 0, level: float = LEVEL
+) -> tuple[Interval, float]:
+    """How two methods differ on the same realisations and picture pairs.
 
     Parameters
     ----------
-    methods : mapping
-        For each method its errors, as `block_bootstrap` takes them, all of the same shapes.
+    first, second : sequence of (N_r,) arrays
+        Errors of each, as `block_bootstrap` takes them, of the same shapes.
     block_length, seed, level
-        As of `block_bootstrap`; a difference counts where its corrected p is below 1 - level.
+        As of `block_bootstrap`.
+
+    Returns
+    -------
+    Interval
+        Of first less second: negative where the first has the smaller error.
+    float
+        Two-sided probability of so large a difference if there were none. See `holm` for several of them.
 
     Raises
     ------
     StatisticsError
-        The methods were not measured on the same pictures.
+        They were not measured on the same pictures.
     """
-    _require_same_shapes(methods)
-    pairs = list(combinations(methods, 2))
-    found = []
-    for first, second in pairs:
-        differences = [a - b for a, b in zip(methods[first], methods[second], strict=True)]
-        interval = block_bootstrap(differences, block_length=block_length, seed=seed, level=level)
-        found.append((interval, _p_value(differences, block_length, seed)))
-    corrected = holm([p for _, p in found])
-    return [
-        Difference(first, second, interval, p, _better(first, second, interval.value, p, level))
-        for (first, second), (interval, _), p in zip(pairs, found, corrected, strict=True)
-    ]
+    if [np.shape(one) for one in first] != [np.shape(one) for one in second]:
+        raise StatisticsError("the two were not measured on the same pictures")
+    differences = [np.subtract(a, b) for a, b in zip(first, second, strict=True)]
+    interval = block_bootstrap(differences, block_length=block_length, seed=seed, level=level)
+    return interval, _p_value(differences, block_length, seed)
 
 
 def holm(probabilities: Sequence[float]) -> list[float]:
@@ -149,12 +125,6 @@ def holm(probabilities: Sequence[float]) -> list[float]:
         highest = max(highest, min(1.0, (len(order) - rank) * probabilities[index]))
         corrected[index] = highest
     return [float(p) for p in corrected]
-
-
-def _better(first: str, second: str, difference: float, p: float, level: float) -> str | None:
-    if p >= 1 - level or difference == 0:
-        return None
-    return first if difference < 0 else second
 
 
 def _p_value(differences: Realisations, block_length: int, seed: int) -> float:
@@ -210,13 +180,3 @@ def _block_means(values: np.ndarray, block_length: int, generator: np.random.Gen
     sums = np.convolve(circle, np.ones(length), mode="valid")  # one block from each start
     starts = generator.integers(0, count, (RESAMPLES, block_count))
     return np.asarray(sums[starts].mean(axis=1) / length)
-
-
-def _require_same_shapes(methods: Mapping[str, Realisations]) -> None:
-    shapes = {name: [np.shape(one) for one in given] for name, given in methods.items()}
-    reference = next(iter(shapes), "")
-    for name, shape in shapes.items():
-        if shape != shapes[reference]:
-            raise StatisticsError(
-                f"methods {reference!r} and {name!r} were not measured on the same pictures"
-            )

@@ -30,14 +30,17 @@ class Terminal:
     json : bool
         Keep standard output for one JSON document. Whatever libraries print there goes to standard error,
         even from compiled code.
+    prefix : str
+        Stands before every line: whose of several that work at once it is.
     """
 
-    def __init__(self, *, json: bool = False) -> None:
+    def __init__(self, *, json: bool = False, prefix: str = "") -> None:
         self.json = json
+        self.prefix = prefix
 
     def say(self, line: str) -> None:
         """One plain line about the work."""
-        print(line, file=sys.stderr, flush=True)  # noqa: T201 - this is where lines are printed
+        print(self.prefix + line, file=sys.stderr, flush=True)  # noqa: T201 - this is where lines are printed
 
     def show(self, result: "RenderableType") -> None:
         """Show a result to a person; silent where the JSON document takes its place."""
@@ -66,7 +69,8 @@ class Terminal:
     @contextlib.contextmanager
     def progress(self, label: str) -> Iterator[Progress]:
         """Tell of one piece of work: a bar with the time left on a terminal, a few lines elsewhere."""
-        with _bar(label) if sys.stderr.isatty() else _lines(label, self.say) as advance:
+        bar = sys.stderr.isatty() and not self.prefix  # bars of several would overwrite each other
+        with _bar(label) if bar else _lines(label, self.say) as advance:
             yield advance
 
 

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from validation.statistics import StatisticsError, block_bootstrap, holm, paired_differences
+from validation.statistics import StatisticsError, block_bootstrap, holm, paired_difference
 
 
 def experiment(random, realisations=8, pairs=40, memory=0.6):
@@ -47,8 +47,8 @@ def test_refuses():
         block_bootstrap([np.array([np.nan])], block_length=1)
     with pytest.raises(StatisticsError, match="block_length: 0"):
         block_bootstrap([np.ones(3)], block_length=0)
-    with pytest.raises(StatisticsError, match="'a' and 'b'"):
-        paired_differences({"a": [np.ones(3)], "b": [np.ones(4)]}, block_length=1)
+    with pytest.raises(StatisticsError, match="the same pictures"):
+        paired_difference([np.ones(3)], [np.ones(4)], block_length=1)
 
 
 def test_holm():
@@ -64,20 +64,28 @@ def with_own_noise(random, errors, offset=0.0):
 def test_tells_a_difference_far_smaller_than_the_scatter():
     random = np.random.default_rng(5)
     errors = experiment(random)
-    methods = {"good": with_own_noise(random, errors), "bad": with_own_noise(random, errors, 0.05)}
-    (difference,) = paired_differences(methods, block_length=8)
-    assert difference.better == "good" and difference.p < 0.05
-    assert difference.interval.low < -0.05 < difference.interval.high
+    good, bad = with_own_noise(random, errors), with_own_noise(random, errors, 0.05)
+    interval, p = paired_difference(good, bad, block_length=8)
+    assert p < 0.01
+    assert interval.low < -0.05 < interval.high < 0
 
 
 def test_seldom_tells_a_difference_where_there_is_none():
     false = 0
-    for seed in range(60):
+    for seed in range(200):
         random = np.random.default_rng(seed)
         errors = experiment(random)
-        methods = {name: with_own_noise(random, errors) for name in "abcd"}
-        false += any(one.better for one in paired_differences(methods, block_length=8))
-    assert false <= 9  # 5 % of 60 are 3; six pairs of four methods share it
+        first, second = (with_own_noise(random, errors) for _ in range(2))
+        false += paired_difference(first, second, block_length=8)[1] < 0.05
+    assert 2 <= false <= 18  # 5 % of 200 are 10
+
+
+def test_no_difference_at_all():
+    errors = experiment(np.random.default_rng(2))
+    assert paired_difference(errors, errors, block_length=8) == (
+        block_bootstrap([e - e for e in errors], block_length=8),
+        1.0,
+    )
 
 
 def test_same_numbers_same_interval():

@@ -1,0 +1,68 @@
+"""What a suite measures, and what its results are named and keyed by."""
+
+from dataclasses import replace
+
+import pytest
+
+from validation.suites.catalogue import SUITES, SuiteError, find_suite
+from validation.suites.plan import Look, Motion, Realisation
+from validation.suites.severities import SeverityError, severity_changes
+
+MADE_BY = {"softbed": "1"}
+PICTURES = Realisation(Motion("sand_rotation", quick=True))
+
+
+@pytest.mark.parametrize("quick", [False, True])
+@pytest.mark.parametrize("name", SUITES)
+def test_every_scene_can_be_had_and_every_name_is_its_own(name, quick):
+    suite = find_suite(name, quick=quick)
+    assert len({look.name for look in suite.looks}) == len(suite.looks)
+    for realisation in suite.realisations:
+        scene = realisation.scene()
+        assert scene.simulation_hash == realisation.motion.load().simulation_hash
+        assert scene.timing.frame_count > realisation.frames[-1]
+
+
+def test_no_suite_uses_what_methods_were_tuned_on():
+    for name in SUITES:
+        assert all(r.motion.seed not in (0, 101) for r in find_suite(name).realisations)
+
+
+def test_headline_rows_rest_on_eight_realisations():
+    suite = find_suite("complex")
+    for scene in {r.motion.scene for r in suite.realisations}:
+        own = [r for r in suite.realisations if r.motion.scene == scene]
+        assert len({(r.motion.seed, r.picture_seed) for r in own}) >= 8
+
+
+@pytest.mark.parametrize(
+    "other",
+    [
+        Look(replace(PICTURES, picture_seed=1), "dis"),
+        Look(replace(PICTURES, pair_count=2), "dis"),
+        Look(replace(PICTURES, motion=replace(PICTURES.motion, seed=3)), "dis"),
+        Look(PICTURES, "farneback"),
+        Look(PICTURES, "dis", pair_count=1),
+    ],
+)
+def test_whatever_changes_a_result_changes_its_key(other):
+    assert other.key(MADE_BY) != Look(PICTURES, "dis").key(MADE_BY)
+    assert Look(PICTURES, "dis").key({"softbed": "2"}) != Look(PICTURES, "dis").key(MADE_BY)
+
+
+def test_severity():
+    wheel = Realisation(Motion("rolling_wheel", quick=True), severity="heavy")
+    assert wheel.scene().nuisance.vibration == 2.0
+    assert replace(wheel, severity="clean").scene().nuisance.vibration == 0
+    with pytest.raises(SeverityError, match="'worst': allowed are clean"):
+        severity_changes("worst")
+
+
+def test_a_further_method_joins_once():
+    suite = find_suite("smoke").with_methods(["my.flow:of", "dis"])
+    assert suite.methods == ("dis", "farneback", "my.flow:of")
+
+
+def test_unknown_suite():
+    with pytest.raises(SuiteError, match="'all': allowed are smoke"):
+        find_suite("all")

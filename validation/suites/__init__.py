@@ -1,0 +1,1 @@
+"""Suites: scenes x seeds x pictures x methods, measured once and kept, in one table."""

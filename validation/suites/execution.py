@@ -1,0 +1,240 @@
+"""A suite carried out: in parallel over processes, going on where it was stopped, failures told."""
+
+import os
+import tempfile
+import traceback
+from collections.abc import Callable, Iterator
+from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from dataclasses import dataclass
+from itertools import groupby
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from validation.suites.plan import Look, Motion, Realisation, Suite
+from validation.terminal import Terminal
+from validation.versions import package_version
+
+if TYPE_CHECKING:
+    from synth import Footage, Recording
+
+MOTIONS = "motions"
+"""Folder below a suite's: a run folder for each simulation, shared by all suites that write there."""
+MEASURED = "measured"
+"""Folder with one netCDF file for each realisation and method."""
+_MADE_BY = ("softbed", "numpy", "scipy", "taichi", "opencv-python-headless", "scikit-learn")
+
+
+@dataclass(frozen=True)
+class Task:
+    """All that is to be done about one motion, by one process.
+
+    Attributes
+    ----------
+    out : Path
+        The suite's folder.
+    motion : Motion
+    looks : tuple of Look
+        Those at one realisation follow each other.
+    threads : int
+        Of this process.
+    """
+
+    out: Path
+    motion: Motion
+    looks: tuple[Look, ...]
+    threads: int = 1
+
+
+@dataclass(frozen=True)
+class Failure:
+    """What could not be done.
+
+    Attributes
+    ----------
+    name : str
+        Of a motion, a realisation or a look.
+    reason : str
+        One line.
+    """
+
+    name: str
+    reason: str
+
+
+def carry_out(suite: Suite, out: Path, *, processes: int | None = None, terminal: Terminal) -> list[Failure]:
+    """Measure what is missing of a suite.
+
+    Each motion is one task: simulated (a checkpoint lets it go on where it was killed), its pictures taken
+    and looked at. A measurement is a file that appears when it is whole; those that are there, made by the
+    same versions from the same scene, are not made again.
+
+    Parameters
+    ----------
+    out : Path
+        The suite's folder; several suites may share it, and the simulations in it.
+    processes : int, optional
+        Default: one a core.
+
+    Returns
+    -------
+    list of Failure
+        Empty if all is done. What failed does not keep the others from being done.
+    """
+    (out / MEASURED).mkdir(parents=True, exist_ok=True)
+    tasks = list(_missing(suite, out))
+    total = sum(len(task.looks) for task in tasks)
+    terminal.say(f"suite {suite.name}: {total} of {len(suite.looks)} measurements are missing")
+    failures: list[Failure] = []
+    if not tasks:
+        return failures
+    count = min(processes or os.cpu_count() or 1, len(tasks))
+    # Fresh processes: a forked one would share taichi's threads with its parent.
+    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"))
+    try:
+        futures = {pool.submit(carry_out_task, task): task for task in tasks}
+        with terminal.progress(f"suite {suite.name}, {count} processes") as progress:
+            failures = _collected(futures, progress)
+    except BaseException:
+        for process in list(getattr(pool, "_processes", {}).values()):
+            process.terminate()  # files have their names only when they are whole
+        raise
+    finally:
+        pool.shutdown(wait=True, cancel_futures=True)
+    return failures
+
+
+def _collected(
+    futures: dict[Future[list[Failure]], Task], progress: Callable[[int, int], None]
+) -> list[Failure]:
+    failures: list[Failure] = []
+    done, total = 0, sum(len(task.looks) for task in futures.values())
+    progress(0, total)
+    for future in as_completed(futures):
+        task = futures[future]
+        try:
+            failures += future.result()
+        except Exception as error:  # a process that was killed
+            failures.append(Failure(task.motion.name, _in_one_line(error)))
+        done += len(task.looks)
+        progress(done, total)
+    return failures
+
+
+def _missing(suite: Suite, out: Path) -> Iterator[Task]:
+    by_motion: dict[Motion, list[Look]] = {}
+    for look in suite.looks:
+        if not is_measured(out, look):
+            by_motion.setdefault(look.realisation.motion, []).append(look)
+    for motion, looks in by_motion.items():
+        yield Task(out, motion, tuple(looks))
+
+
+def carry_out_task(task: Task) -> list[Failure]:
+    """Simulate a motion, where that was not done, and measure all that is asked for; in its own process."""
+    terminal = Terminal(prefix=f"{task.motion.name}: ")
+    try:
+        recording = _recording(task, terminal)
+    except Exception as error:
+        return [Failure(task.motion.name, _in_one_line(error))]
+    failures = []
+    for realisation, looks in groupby(task.looks, key=lambda look: look.realisation):
+        failures += _measure_all(task, recording, realisation, list(looks), terminal)
+    return failures
+
+
+def _recording(task: Task, terminal: Terminal) -> "Recording":
+    import synth
+    from validation import chain
+    from validation.run_folder import RunFolder
+
+    with RunFolder.create(task.out / MOTIONS / task.motion.name) as run:
+        work = chain.Work("cpu", task.threads)
+        chain.simulate(run, task.motion.load(), work=work, terminal=terminal, overwrite=True)
+        return synth.Recording.read(run.recording)
+
+
+def _measure_all(
+    task: Task,
+    recording: "Recording",
+    realisation: Realisation,
+    looks: list[Look],
+    terminal: Terminal,
+) -> list[Failure]:
+    """Take the pictures once, and let every method look at them."""
+    from validation.suites.measurement import photograph
+
+    failures = []
+    with tempfile.TemporaryDirectory(dir=task.out, prefix=".pictures-") as scratch:
+        try:
+            footage = photograph(recording, realisation, Path(scratch) / "footage", threads=task.threads)
+        except Exception as error:
+            return [Failure(realisation.name, _in_one_line(error))]
+        with footage:
+            for look in looks:
+                try:
+                    _measure_one(task, footage, look, Path(scratch))
+                    told = f"{realisation.severity} pictures {realisation.picture_seed}"
+                    terminal.say(f"{told}: measured by {look.method}")
+                except Exception as error:
+                    failures.append(Failure(look.name, _in_one_line(error)))
+    return failures
+
+
+def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> None:
+    from validation.suites.measurement import SCHEMA_VERSION, measure
+
+    found = measure(footage, look.method, pair_count=look.pair_count, scratch=scratch, threads=task.threads)
+    realisation = look.realisation
+    scene = realisation.scene()
+    found = found.assign_attrs(
+        schema_version=SCHEMA_VERSION,
+        key=_key(look),
+        realisation=realisation.name,
+        scene=realisation.motion.scene,
+        motion=realisation.motion.name,
+        soil=getattr(getattr(scene, "soil", None), "name", ""),
+        seed=realisation.motion.seed,
+        picture_seed=realisation.picture_seed,
+        severity=realisation.severity,
+        stride=realisation.stride,
+        label=realisation.label,
+        quick=int(realisation.motion.quick),
+        scene_hash=scene.hash,
+        threads=task.threads,
+    )
+    draft = scratch / "measured.nc"
+    encoding = {name: {"zlib": True} for name, variable in found.data_vars.items() if variable.ndim > 1}
+    found.to_netcdf(draft, engine="h5netcdf", encoding=encoding)
+    draft.replace(measured_file(task.out, look))
+
+
+def measured_file(out: Path, look: Look) -> Path:
+    """Where a measurement is kept."""
+    return out / MEASURED / f"{look.name}.nc"
+
+
+def is_measured(out: Path, look: Look) -> bool:
+    """Whether a measurement is there, made by these versions from this scene."""
+    import h5netcdf
+
+    path = measured_file(out, look)
+    if not path.is_file():
+        return False
+    try:
+        with h5netcdf.File(path, "r") as file:
+            return bool(file.attrs.get("key") == _key(look))
+    except (OSError, ValueError, KeyError):
+        return False
+
+
+def _key(look: Look) -> str:
+    return look.key({name: package_version(name) for name in _MADE_BY})
+
+
+def _in_one_line(error: BaseException) -> str:
+    text = " ".join(str(error).split()) or type(error).__name__
+    if isinstance(error, ValueError | OSError):
+        return text
+    place = traceback.extract_tb(error.__traceback__)
+    return f"{type(error).__name__}: {text}" + (f" ({place[-1].name})" if place else "")

@@ -1,0 +1,137 @@
+"""Pictures of a realisation taken, looked at by each method, and its errors kept pair by pair."""
+
+import time
+from collections.abc import Callable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import numpy as np
+
+from validation.error_profile import error_profile
+from validation.metrics import WRONG_ABOVE, ErrorSummary
+from validation.score import score_pair
+from validation.strata import STRATA
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from synth import Footage, Recording
+    from validation.suites.plan import Realisation
+
+SCHEMA_VERSION = 1
+_QUANTITIES = {
+    "pixel_count": "pixels of the stratum, measured or not",
+    "coverage": "share of them that was measured",
+    "median": "median end-point error",
+    "mean": "mean end-point error",
+    "p95": "end-point error that 95 % of the pixels do not exceed",
+    "rmse": "root of the mean squared end-point error",
+    "bias_u": "mean error to the right",
+    "bias_v": "mean error downwards",
+}
+_UNITS = {"pixel_count": "1", "coverage": "1"}
+
+
+def photograph(
+    recording: "Recording", realisation: "Realisation", folder: Path, *, threads: int
+) -> "Footage":
+    """Take the pictures of a realisation, with their truth, into a fresh folder."""
+    from synth import Recording, render
+    from synth.scene import AnalyticScene
+
+    scene = realisation.scene()
+    part = recording
+    if not isinstance(scene, AnalyticScene):  # whose frames are a formula's, all of them
+        frames = [frame for frame in realisation.frames if frame < recording.frame_count]
+        part = Recording(recording.data.isel(frame=frames))
+    return render(part, scene, folder, threads=threads)
+
+
+def measure(
+    footage: "Footage",
+    method: str,
+    *,
+    pair_count: int | None = None,
+    scratch: Path,
+    threads: int,
+    progress: Callable[[int, int], None] | None = None,
+) -> "xr.Dataset":
+    """Analyze footage with a method and score it pair by pair.
+
+    Parameters
+    ----------
+    pair_count : int, optional
+        Only so many of its pairs, from the first on.
+    scratch : Path
+        A folder that the soil flow lies in meanwhile.
+
+    Returns
+    -------
+    xarray.Dataset
+        Over `pair` and `stratum`: the errors, and `wrong_share` over `bound`, too; over `pair`:
+        `seconds`, of the analysis on `threads` threads; and, summed over the pairs, the error profile.
+    """
+    import soft
+
+    count = min(pair_count or footage.pair_count, footage.pair_count)
+    sequence = _sequence(footage, count)
+    began = time.perf_counter()
+    path = scratch / "flow.nc"
+    with soft.analyze(sequence, method=method, threads=threads, path=path, progress=progress) as flow:
+        seconds = time.perf_counter() - began
+        scores, profile = [], None
+        for pair in range(count):
+            truth, measured = footage.truth(pair), flow.isel(pair=pair).load()
+            scores.append(score_pair(truth, measured))
+            if "node_x" not in measured:  # a grid's nodes are too few to be sorted
+                one = error_profile(truth, measured)
+                profile = one if profile is None else profile + one
+        facts = {name: flow.attrs[name] for name in ("method", "options", "versions")}
+    path.unlink()
+    found = _table(scores, seconds / count)
+    return found.merge(profile).assign_attrs(facts) if profile is not None else found.assign_attrs(facts)
+
+
+def _sequence(footage: "Footage", pair_count: int):
+    import soft
+
+    sequence = soft.ImageSequence.open(footage.folder)
+    if pair_count == footage.pair_count:
+        return sequence
+    return soft.ImageSequence.from_arrays(
+        [footage.picture(k) for k in range(pair_count + 1)],
+        metres_per_pixel=footage.metres_per_pixel,
+        frame_rate=footage.frame_rate,
+    )
+
+
+def _table(scores: "Sequence[dict[str, ErrorSummary]]", seconds: float) -> "xr.Dataset":
+    import xarray as xr
+
+    rows = [[asdict(score[stratum]) for stratum in STRATA] for score in scores]
+    variables: dict[str, tuple[tuple[str, ...], np.ndarray, dict[str, str]]] = {
+        name: (
+            ("pair", "stratum"),
+            _numbers(rows, name),
+            {"units": _UNITS.get(name, "px"), "long_name": told},
+        )
+        for name, told in _QUANTITIES.items()
+    }
+    wrong = np.stack(
+        [[[_number(r["wrong_share"][str(b)]) for b in WRONG_ABOVE] for r in row] for row in rows]
+    )
+    told = {"units": "1", "long_name": "share of pixels above the bound, or not measured"}
+    variables["wrong_share"] = (("pair", "stratum", "bound"), wrong, told)
+    told = {"units": "s", "long_name": "wall time of the analysis a pair"}
+    variables["seconds"] = (("pair",), np.full(len(rows), seconds), told)
+    coordinates = {"stratum": list(STRATA), "bound": list(WRONG_ABOVE)}
+    return xr.Dataset(variables, coordinates)
+
+
+def _numbers(rows: list[list[dict]], name: str) -> np.ndarray:
+    return np.array([[_number(row[name]) for row in pair] for pair in rows])
+
+
+def _number(value: float | None) -> float:
+    return np.nan if value is None else float(value)

@@ -1,0 +1,91 @@
+"""What a suite leaves behind: a tidy table (CSV and netCDF) and its headlines (JSON)."""
+
+import json
+from collections.abc import Iterable, Sequence
+from dataclasses import asdict
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from validation.suites.execution import Failure
+from validation.suites.headline import comparisons, headline_document, headlines
+from validation.suites.plan import Suite
+from validation.suites.table import collect, write_csv, write_netcdf
+from validation.versions import machine, package_versions
+
+if TYPE_CHECKING:
+    from rich.table import Table
+
+SCHEMA_VERSION = 1
+
+
+def write_results(suite: Suite, out: Path, failures: Sequence[Failure]) -> dict[str, Any]:
+    """Write OUT/NAME.csv, NAME.nc and NAME.json from the measurements that are there; return the last."""
+    lines = collect(suite, out)
+    document = {
+        "schema_version": SCHEMA_VERSION,
+        "suite": suite.name,
+        "about": suite.about,
+        "methods": [*suite.methods, *suite.slow_methods],
+        "measured": len({(line["scene_hash"], line["method"], line["stride"]) for line in lines}),
+        "of": len(suite.looks),
+        "failures": [asdict(failure) for failure in failures],
+        "versions": package_versions(),
+        "machine": machine(),
+        **headline_document(headlines(lines), comparisons(lines)),
+    }
+    _replace(out / f"{suite.name}.csv", lambda path: write_csv(lines, path))
+    if lines:
+        _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
+    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
+    _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
+    return document
+
+
+def _replace(path: Path, write: Any) -> None:
+    """A file appears, or changes, when it is whole."""
+    draft = path.with_name(f".{path.name}")
+    write(draft)
+    draft.replace(path)
+
+
+def results_table(document: dict[str, Any], strata: Iterable[str] = ("all", "moving", "complex")) -> "Table":
+    """The headlines for a terminal."""
+    from rich.table import Table
+
+    table = Table(title=f"suite {document['suite']}: {document['about']}", title_justify="left")
+    for column in ("scene", "stratum", "method"):
+        table.add_column(column, overflow="fold")
+    for column in ("median px", "95 % px", "> 0.3 px", "of"):
+        table.add_column(column, justify="right", no_wrap=True)
+    former = ("", "")
+    for one in document["headlines"]:
+        if one["stratum"] in strata:
+            here = _scene(one), one["method"]
+            shown = ("", "") if here == former else here
+            table.add_row(shown[0], one["stratum"], shown[1], *_cells(one))
+            former = here
+    return table
+
+
+def _scene(headline: dict[str, Any]) -> str:
+    stride = f"stride {headline['stride']}" if headline["stride"] != 1 else ""
+    return ", ".join(p for p in (headline["scene"], headline["label"], headline["severity"], stride) if p)
+
+
+def _cells(headline: dict[str, Any]) -> list[str]:
+    errors = headline["errors"]
+    shown = [_with_interval(errors.get(name), form) for name, form in _FORMS.items()]
+    return [*shown, str(errors["wrong_0.3"]["realisation_count"])]
+
+
+_FORMS = {"median": ".3f", "p95": ".3f", "wrong_0.3": ".1%"}
+
+
+def _with_interval(interval: dict[str, Any] | None, form: str) -> str:
+    if interval is None:
+        return "-"
+    value = format(interval["value"], form)
+    if interval["low"] is None:
+        return value
+    half = (interval["high"] - interval["low"]) / 2
+    return f"{value} \N{PLUS-MINUS SIGN} {format(half, form)}"

@@ -1,0 +1,100 @@
+"""All measurements of a suite as one tidy table: a line for each picture pair, stratum and method."""
+
+import csv
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.suites.execution import is_measured, measured_file
+from validation.suites.plan import Look, Suite
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+LABELS = (
+    "scene",
+    "label",
+    "soil",
+    "seed",
+    "picture_seed",
+    "severity",
+    "stride",
+    "quick",
+    "scene_hash",
+    "method",
+)
+"""What a line is about; attributes of a measurement."""
+ERRORS = ("pixel_count", "coverage", "median", "mean", "p95", "rmse", "bias_u", "bias_v")
+WRONG = {0.3: "wrong_0.3", 0.56: "wrong_0.56", 1.0: "wrong_1.0"}
+COLUMNS = (*LABELS, "pair", "stratum", *ERRORS, *WRONG.values(), "seconds")
+UNITS = {
+    "median": "px",
+    "mean": "px",
+    "p95": "px",
+    "rmse": "px",
+    "bias_u": "px",
+    "bias_v": "px",
+    "seconds": "s",
+}
+
+Line = dict[str, Any]
+
+
+def collect(suite: Suite, out: Path) -> list[Line]:
+    """Lines of all measurements of a suite that are there; NaN where a stratum has no pixels."""
+    return [line for look in suite.looks if is_measured(out, look) for line in _lines(out, look)]
+
+
+def _lines(out: Path, look: Look) -> Iterator[Line]:
+    with open_measurement(out, look) as measured:
+        measured.load()
+        for pair in range(measured.sizes["pair"]):
+            for stratum in measured["stratum"].values:
+                yield _line(measured, pair, str(stratum))
+
+
+def open_measurement(out: Path, look: Look) -> "xr.Dataset":
+    """A measurement, as it lies on disk; to be closed."""
+    import xarray as xr
+
+    return xr.open_dataset(measured_file(out, look), engine="h5netcdf")
+
+
+def _line(measured: "xr.Dataset", pair: int, stratum: str) -> Line:
+    here = measured.isel(pair=pair).sel(stratum=stratum)
+    line: Line = {name: _plain(measured.attrs[name]) for name in LABELS}
+    line |= {"pair": pair, "stratum": stratum}
+    line |= {name: float(here[name]) for name in ERRORS}
+    line |= {name: float(here["wrong_share"].sel(bound=bound)) for bound, name in WRONG.items()}
+    return line | {"seconds": float(here["seconds"])}
+
+
+def _plain(value: Any) -> Any:
+    return value.item() if isinstance(value, np.generic) else value
+
+
+def write_csv(lines: Sequence[Line], path: Path) -> None:
+    """One line each; units in the header, nothing where there is no number."""
+    with path.open("w", newline="", encoding="utf-8") as file:
+        writer = csv.writer(file)
+        writer.writerow([f"{name} [{UNITS[name]}]" if name in UNITS else name for name in COLUMNS])
+        writer.writerows([_spelt(line[name]) for name in COLUMNS] for line in lines)
+
+
+def _spelt(value: Any) -> str:
+    if isinstance(value, float):
+        return "" if np.isnan(value) else f"{value:.6g}"
+    return str(value)
+
+
+def write_netcdf(lines: Sequence[Line], path: Path) -> None:
+    """Write the same table over the dimension `line`, for xarray and pandas."""
+    import xarray as xr
+
+    variables = {
+        name: ("line", np.array([line[name] for line in lines]), {"units": UNITS.get(name, "1")})
+        for name in COLUMNS
+    }
+    xr.Dataset(variables).to_netcdf(path, engine="h5netcdf")
