@@ -12,6 +12,7 @@ from validation.error_profile import error_profile
 from validation.metrics import WRONG_ABOVE, ErrorSummary
 from validation.score import score_pair
 from validation.strata import STRATA
+from validation.suites.worst_place import worst_place
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -70,7 +71,8 @@ def measure(
     -------
     xarray.Dataset
         Over `pair` and `stratum`: the errors, and `wrong_share` over `bound`, too; over `pair`:
-        `seconds`, of the analysis on `threads` threads; and, summed over the pairs, the error profile.
+        `seconds`, of the analysis on `threads` threads; and of dense methods the error profile, summed over
+        the pairs, and what is around the place where the method fails most.
     """
     import soft
 
@@ -80,17 +82,21 @@ def measure(
     path = scratch / "flow.nc"
     with soft.analyze(sequence, method=method, threads=threads, path=path, progress=progress) as flow:
         seconds = time.perf_counter() - began
-        scores, profile = [], None
+        scores, profiles, places = [], [], []
         for pair in range(count):
             truth, measured = footage.truth(pair), flow.isel(pair=pair).load()
             scores.append(score_pair(truth, measured))
             if "node_x" not in measured:  # a grid's nodes are too few to be sorted
-                one = error_profile(truth, measured)
-                profile = one if profile is None else profile + one
+                profiles.append(error_profile(truth, measured))
+                places.append(worst_place(footage.picture(pair), truth, measured))
         facts = {name: flow.attrs[name] for name in ("method", "options", "versions")}
     path.unlink()
     found = _table(scores, seconds / count)
-    return found.merge(profile).assign_attrs(facts) if profile is not None else found.assign_attrs(facts)
+    if places:
+        worst = max(places, key=lambda place: place.attrs["worst_mean"])
+        found = found.merge(sum(profiles[1:], profiles[0])).merge(worst)
+        facts |= worst.attrs
+    return found.assign_attrs(facts)
 
 
 def _sequence(footage: "Footage", pair_count: int):
