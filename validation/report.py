@@ -1,6 +1,5 @@
 """The page a person reads: `report.html`, one file that needs nothing else."""
 
-import base64
 import csv
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
@@ -17,9 +16,9 @@ from validation.figures import (
     draw_picture,
     draw_speed,
     draw_strata,
-    to_png,
 )
 from validation.metrics import WRONG_ABOVE
+from validation.page import Panel, write_page
 from validation.pair_view import PairView, view_pair
 from validation.published import Published, read_published
 from validation.score import Scores
@@ -28,32 +27,12 @@ from validation.strata import MEANINGS
 from validation.versions import machine, package_version, package_versions
 
 if TYPE_CHECKING:
-    from matplotlib.figure import Figure
-
     from synth.dem.soundness import Judgement
     from validation.material import Material
     from validation.methods import Method
     from validation.run_folder import RunFolder
 
-_TEMPLATES = Path(__file__).parent / "templates"
 _TOP_PERCENTILE = 99.5
-
-
-@dataclass(frozen=True)
-class Panel:
-    """A figure of the page.
-
-    Attributes
-    ----------
-    title, caption : str
-        What it is, and how to read it.
-    source : str
-        The PNG as a `data:` address.
-    """
-
-    title: str
-    caption: str
-    source: str
 
 
 @dataclass(frozen=True)
@@ -81,17 +60,7 @@ def write_report(path: Path, run: "RunFolder", material: "Material", methods: "S
     methods : sequence of Method
         What was scored.
     """
-    from jinja2 import Environment, FileSystemLoader, StrictUndefined
-
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    page = environment.get_template("report.html.j2").render(_content(run, material, methods))
-    path.write_text(page, encoding="utf-8")
+    write_page(path, "report.html.j2", _content(run, material, methods))
 
 
 def _content(run: "RunFolder", material: "Material", methods: "Sequence[Method]") -> dict[str, Any]:
@@ -193,18 +162,18 @@ def _top_speed(view: PairView) -> float:
 
 def _truth_panels(view: PairView) -> list[Panel]:
     return [
-        _panel("What the camera saw", "The first picture of the pair.", draw_picture(view.picture)),
-        _panel(
+        Panel.of("What the camera saw", "The first picture of the pair.", draw_picture(view.picture)),
+        Panel.of(
             "True speed",
             "Motion of the soil from this picture to the next, with the camera's motion taken out.",
             draw_speed(view.truth, view.picture, top=_top_speed(view)),
         ),
-        _panel(
+        Panel.of(
             "True direction",
             "Where the soil goes, as the picture shows it; soil slower than 0.3 px/frame is left out.",
             draw_direction(view.truth, view.picture),
         ),
-        _panel(
+        Panel.of(
             "Strata",
             "Which pixels are told apart; complex is drawn over moving, soil that is neither is quiet.",
             draw_strata(view.strata, view.picture),
@@ -217,23 +186,23 @@ def _method_panels(view: PairView, name: str, top: float, published: Mapping[str
     missed = " Soil that was not measured is magenta." if measured.missed.any() else ""
     where = "at every node of the grid, shown as dots" if measured.gridded else "of every true soil pixel"
     return [
-        _panel(
+        Panel.of(
             "Measured speed",
             "As the analysis says: its own soil mask, colours as for the truth. The camera moved by "
             f"{measured.camera_u:.2f} px by the analysis, by {view.camera_u:.2f} px in truth.",
             draw_speed(measured.motion, view.picture, top=top),
         ),
-        _panel(
+        Panel.of(
             "Measured direction",
             "As for the truth; compare the two.",
             draw_direction(measured.motion, view.picture),
         ),
-        _panel(
+        Panel.of(
             "Error",
             f"Distance between the measured and the true displacement {where}.{missed}",
             draw_error(measured, view.picture),
         ),
-        _panel(
+        Panel.of(
             "Distribution of the error",
             "Of this pair, in each stratum; the lines are the median and 95 % of all its soil.",
             draw_histogram(measured, view.strata, published=published),
@@ -250,7 +219,7 @@ def _forces_panel(run: "RunFolder", material: "Material", pair: int) -> Panel | 
     rate = material.sequence.frame_rate
     marked = pair / rate if rate else None
     caption = "Before time 0 is the run-in, without pictures. The dotted line marks the pair shown above."
-    return _panel("Over time", caption, draw_forces(forces, marked=marked))
+    return Panel.of("Over time", caption, draw_forces(forces, marked=marked))
 
 
 def _soundness(run: "RunFolder") -> "list[Judgement]":
@@ -267,11 +236,6 @@ def _read_forces(path: Path) -> dict[str, np.ndarray]:
         header, *rows = csv.reader(file)
     values = np.array(rows, float).reshape(len(rows), len(header))
     return {column.split(" [")[0]: values[:, k] for k, column in enumerate(header)}
-
-
-def _panel(title: str, caption: str, figure: "Figure") -> Panel:
-    encoded = base64.b64encode(to_png(figure)).decode("ascii")
-    return Panel(title, caption, f"data:image/png;base64,{encoded}")
 
 
 def _commands(run: "RunFolder", material: "Material", methods: "Sequence[Method]") -> list[str]:

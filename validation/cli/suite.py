@@ -21,7 +21,7 @@ def suite(
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Measure scenes x seeds x pictures with every method: OUT/NAME.csv, .nc and .json.
+    """Measure scenes x seeds x pictures with every method: OUT/NAME.html, .csv, .nc, .json.
 
     Further methods join by --method. Stopped and called again, it does only what is missing. Exit status 1
     where something failed; the rest is done nevertheless.
@@ -34,7 +34,10 @@ def suite(
     with terminal.working(), methods_of_this_folder():
         chosen = find_suite(name, quick=quick).with_methods(method or [])
         failures = carry_out(chosen, out, processes=processes, terminal=terminal)
-        document = write_results(chosen, out, failures)
+        asked = " ".join(
+            [name, "OUT", *(["--quick"] if quick else []), *(f"--method {m}" for m in method or [])]
+        )
+        document = write_results(chosen, out, failures, command=f"softbed suite {asked}")
     _show(document, out, terminal)
     terminal.give(document)
     if failures:
@@ -47,4 +50,4 @@ def _show(document: dict[str, Any], out: Path, terminal: Terminal) -> None:
     terminal.show(results_table(document))
     for failure in document["failures"]:
         terminal.show(f"failed: {failure['name']}: {failure['reason']}")
-    terminal.show(f"{out / document['suite']}.csv, .nc, .json")
+    terminal.show(f"{out / document['suite']}.html, .csv, .nc, .json")

@@ -1,14 +1,16 @@
-"""What a suite leaves behind: a tidy table (CSV and netCDF) and its headlines (JSON)."""
+"""What a suite leaves behind: a tidy table (CSV and netCDF), its headlines (JSON), a page (HTML)."""
 
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.suites.execution import Failure
 from validation.suites.headline import comparisons, headline_document, headlines
 from validation.suites.plan import Suite
+from validation.suites.report import write_suite_report
 from validation.suites.table import collect, write_csv, write_netcdf
 from validation.versions import machine, package_versions
 
@@ -18,9 +20,13 @@ if TYPE_CHECKING:
 SCHEMA_VERSION = 1
 
 
-def write_results(suite: Suite, out: Path, failures: Sequence[Failure]) -> dict[str, Any]:
-    """Write OUT/NAME.csv, NAME.nc and NAME.json from the measurements that are there; return the last."""
+def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, command: str) -> dict[str, Any]:
+    """Write OUT/NAME.csv, .nc, .json and .html from the measurements that are there; return the JSON.
+
+    `command` is what a person types to get all of it again.
+    """
     lines = collect(suite, out)
+    compared = comparisons(lines)
     document = {
         "schema_version": SCHEMA_VERSION,
         "suite": suite.name,
@@ -31,13 +37,16 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure]) -> dict[
         "failures": [asdict(failure) for failure in failures],
         "versions": package_versions(),
         "machine": machine(),
-        **headline_document(headlines(lines), comparisons(lines)),
+        **headline_document(headlines(lines), compared),
     }
     _replace(out / f"{suite.name}.csv", lambda path: write_csv(lines, path))
     if lines:
         _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
+    if lines:
+        page = partial(write_suite_report, suite=suite, out=out, lines=lines, comparisons=compared)
+        _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
     return document
 
 

@@ -71,7 +71,7 @@ def test_a_motion_that_cannot_be_had(tmp_path):
 
 
 def test_results(out):
-    document = write_results(SUITE, out, [])
+    document = write_results(SUITE, out, [], command="softbed suite small OUT")
     assert document == json.loads((out / "small.json").read_text())
     (headline,) = [one for one in document["headlines"] if one["stratum"] == "all"]
     interval = headline["errors"]["median"]
