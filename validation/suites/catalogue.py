@@ -5,6 +5,7 @@ with (0).
 """
 
 from collections.abc import Callable
+from dataclasses import replace
 
 from validation.suites.plan import Motion, Realisation, Suite
 
@@ -57,9 +58,28 @@ def _complex(quick: bool) -> Suite:
         for motion in motions
         for picture_seed in picture_seeds
     ]
+    pictures += _variations(quick, seeds, picture_seeds)
+    stars = [Motion("sinusoidal_strain", seed, quick) for seed in seeds]
+    pictures += [Realisation(star, seed, pair_count=1) for star in stars for seed in picture_seeds]
     return Suite(
         "complex", "every implement, both soils: where flow is complex", tuple(pictures), DENSE, SLOW
     )
+
+
+def _variations(quick: bool, seeds: tuple[int, ...], picture_seeds: tuple[int, ...]) -> list[Realisation]:
+    """The rolling wheel seen otherwise: what is said of complex flow should not depend on it."""
+    found = []
+    for motion in (Motion("rolling_wheel", seed, quick) for seed in seeds):
+        for picture_seed in picture_seeds:
+            base = Realisation(motion, picture_seed, first=2, pair_count=2)
+            found += [replace(base, stride=stride) for stride in ((2,) if quick else (2, 4))]
+            found.append(replace(base, label="carried", changes=(("texture", "motion", "carried"),)))
+            exchange = (0.1,) if quick else (0.05, 0.1, 0.2)
+            found += [
+                replace(base, label=f"exchange-{rate:g}", changes=(("nuisance", "exchange", rate),))
+                for rate in exchange
+            ]
+    return found
 
 
 SUITES: dict[str, Callable[[bool], Suite]] = {"smoke": _smoke, "complex": _complex}

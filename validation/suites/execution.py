@@ -16,7 +16,10 @@ from validation.terminal import Terminal
 from validation.versions import package_version
 
 if TYPE_CHECKING:
+    import numpy as np
+
     from synth import Footage, Recording
+    from synth.scene import AnyScene
 
 MOTIONS = "motions"
 """Folder below a suite's: a run folder for each simulation, shared by all suites that write there."""
@@ -184,9 +187,16 @@ def _measure_all(
 def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> None:
     from validation.suites.measurement import SCHEMA_VERSION, measure
 
-    found = measure(footage, look.method, pair_count=look.pair_count, scratch=scratch, threads=task.threads)
     realisation = look.realisation
     scene = realisation.scene()
+    found = measure(
+        footage,
+        look.method,
+        pair_count=look.pair_count,
+        periods=_periods(scene),
+        scratch=scratch,
+        threads=task.threads,
+    )
     found = found.assign_attrs(
         schema_version=SCHEMA_VERSION,
         key=_key(look),
@@ -207,6 +217,18 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
     encoding = {name: {"zlib": True} for name, variable in found.data_vars.items() if variable.ndim > 1}
     found.to_netcdf(draft, engine="h5netcdf", encoding=encoding)
     draft.replace(measured_file(task.out, look))
+
+
+def _periods(scene: "AnyScene") -> "np.ndarray | None":
+    """Period of an alternating strain in each column, px; None for scenes without."""
+    import numpy as np
+
+    from synth.analytic.motion import SinusoidalStrain
+    from synth.scene import AnalyticScene
+
+    if not (isinstance(scene, AnalyticScene) and isinstance(scene.motion, SinusoidalStrain)):
+        return None
+    return scene.motion.period(np.arange(scene.camera.width) - (scene.camera.width - 1) / 2)
 
 
 def measured_file(out: Path, look: Look) -> Path:

@@ -7,6 +7,7 @@ import numpy as np
 
 from validation.error_profile import EXPLANATIONS, MOMENTS, percentile
 from validation.metrics import WRONG_ABOVE
+from validation.modulation import response
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -178,6 +179,36 @@ def _moments(profile: "xr.Dataset", name: str) -> list[np.ndarray]:
 
 
 _QUANTITIES = {"median": _median, "wrong": _wrong, "bias": _bias, "random": _random}
+
+
+def draw_response(responses: "Mapping[str, xr.Dataset]") -> "Figure":
+    """Share of an alternating strain's amplitude that each method tells, against its period."""
+    from matplotlib.figure import Figure
+
+    figure = Figure(figsize=(6.4, 4.0), layout="constrained")
+    axes = figure.subplots()
+    _plain(axes)
+    axes.set_xscale("log")
+    for number, (method, sums) in enumerate(responses.items()):
+        colour, marker = _style(number)
+        axes.plot(
+            sums["period"],
+            response(sums),
+            color=colour,
+            marker=marker,
+            markersize=4,
+            linewidth=1.4,
+            label=method,
+        )
+    axes.axhline(0.9, color="0.5", linewidth=0.8, linestyle=":")
+    axes.axhline(0.5, color="0.5", linewidth=0.8, linestyle=":")
+    axes.set_xticks([20, 30, 50, 100, 200, 300], labels=["20", "30", "50", "100", "200", "300"])
+    axes.minorticks_off()
+    axes.set_ylim(0)
+    axes.set_xlabel("period [px]")
+    axes.set_ylabel("share of the amplitude that is told")
+    axes.legend(frameon=False, fontsize=9)
+    return figure
 
 
 def draw_worst(place: "xr.Dataset", *, top: float) -> "Figure":

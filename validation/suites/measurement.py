@@ -10,6 +10,7 @@ import numpy as np
 
 from validation.error_profile import error_profile
 from validation.metrics import WRONG_ABOVE, ErrorSummary
+from validation.modulation import response_sums
 from validation.score import score_pair
 from validation.strata import STRATA
 from validation.suites.worst_place import worst_place
@@ -54,6 +55,7 @@ def measure(
     method: str,
     *,
     pair_count: int | None = None,
+    periods: np.ndarray | None = None,
     scratch: Path,
     threads: int,
     progress: Callable[[int, int], None] | None = None,
@@ -64,6 +66,8 @@ def measure(
     ----------
     pair_count : int, optional
         Only so many of its pairs, from the first on.
+    periods : (W,) array, optional
+        Of footage whose strain alternates: its period in each column, px. Then the response is kept, too.
     scratch : Path
         A folder that the soil flow lies in meanwhile.
 
@@ -82,13 +86,15 @@ def measure(
     path = scratch / "flow.nc"
     with soft.analyze(sequence, method=method, threads=threads, path=path, progress=progress) as flow:
         seconds = time.perf_counter() - began
-        scores, profiles, places = [], [], []
+        scores, profiles, places, responses = [], [], [], []
         for pair in range(count):
             truth, measured = footage.truth(pair), flow.isel(pair=pair).load()
             scores.append(score_pair(truth, measured))
             if "node_x" not in measured:  # a grid's nodes are too few to be sorted
                 profiles.append(error_profile(truth, measured))
                 places.append(worst_place(footage.picture(pair), truth, measured))
+            if periods is not None:
+                responses.append(response_sums(truth, measured, periods))
         facts = {name: flow.attrs[name] for name in ("method", "options", "versions")}
     path.unlink()
     found = _table(scores, seconds / count)
@@ -96,6 +102,8 @@ def measure(
         worst = max(places, key=lambda place: place.attrs["worst_mean"])
         found = found.merge(sum(profiles[1:], profiles[0])).merge(worst)
         facts |= worst.attrs
+    if responses:
+        found = found.merge(sum(responses[1:], responses[0]))
     return found.assign_attrs(facts)
 
 

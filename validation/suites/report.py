@@ -7,11 +7,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.modulation import resolved_period, response
 from validation.page import Panel, write_page
 from validation.statistics import Interval
 from validation.strata import MEANINGS
 from validation.suites.execution import Failure, is_measured
-from validation.suites.figures import draw_cost, draw_heat_map, draw_profiles, draw_worst
+from validation.suites.figures import draw_cost, draw_heat_map, draw_profiles, draw_response, draw_worst
 from validation.suites.headline import Comparison, Headline, headlines
 from validation.suites.leaderboard import STRATA, Standing, standings
 from validation.suites.plan import Look, Suite
@@ -92,6 +93,7 @@ def write_suite_report(
             "strata": MEANINGS,
             "overview": _overview(told, board, methods),
             "profiles": _profile_panels(out, looks, methods),
+            "resolution": _resolution_panels(out, looks, methods),
             "scenes": _scene_pages(out, looks, told, comparisons),
             "failures": failures,
             "commands": [command],
@@ -168,19 +170,38 @@ def _scene(headline: Headline | Comparison) -> str:
 
 
 def _profile_panels(out: Path, looks: Sequence[Look], methods: Sequence[str]) -> list[Panel]:
-    profiles: dict[str, xr.Dataset] = {}
+    profiles = _summed(out, looks, methods, ("count_", "unmeasured_", "sums_"))
+    if not profiles:
+        return []
+    return [Panel.of(title, caption, draw_profiles(profiles, name)) for name, title, caption in _PROFILES]
+
+
+def _resolution_panels(out: Path, looks: Sequence[Look], methods: Sequence[str]) -> list[Panel]:
+    sums = _summed(out, looks, methods, ("response_",))
+    if not sums:
+        return []
+    told = "; ".join(f"{method} {_resolved(one)}" for method, one in sums.items())
+    caption = f"Rows that move up and down. Half and nine tenths of the amplitude are told from: {told}."
+    return [Panel.of("Spatial resolution", caption, draw_response(sums))]
+
+
+def _resolved(sums: "xr.Dataset") -> str:
+    half, most = (resolved_period(response(sums), share) for share in (0.5, 0.9))
+    return f"{half:.0f} and {most:.0f} px"
+
+
+def _summed(
+    out: Path, looks: Sequence[Look], methods: Sequence[str], prefixes: tuple[str, ...]
+) -> "dict[str, xr.Dataset]":
+    """Variables of these prefixes, added up over everything that a method has looked at."""
+    found: dict[str, xr.Dataset] = {}
     for look in looks:
         with open_measurement(out, look) as measured:
-            wanted = [
-                str(n) for n in measured.data_vars if str(n).startswith(("count_", "unmeasured_", "sums_"))
-            ]
+            wanted = [str(name) for name in measured.data_vars if str(name).startswith(prefixes)]
             if wanted:
                 one = measured[wanted].load()
-                profiles[look.method] = profiles[look.method] + one if look.method in profiles else one
-    ordered = {method: profiles[method] for method in methods if method in profiles}
-    if not ordered:
-        return []
-    return [Panel.of(title, caption, draw_profiles(ordered, name)) for name, title, caption in _PROFILES]
+                found[look.method] = found[look.method] + one if look.method in found else one
+    return {method: found[method] for method in methods if method in found}
 
 
 def _scene_pages(
