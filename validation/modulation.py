@@ -1,6 +1,6 @@
 """Spatial resolution: how much of a strain that alternates a method still tells, against its period.
 
-On the scene `sinusoidal_strain`, every column of the picture moves up and down as a cosine of the height, with
+On the scene `sinusoidal_strain`, each column of the picture moves up and down as a cosine of the height, with
 a period of its own. The response at a period is the slope of measured on true motion over the columns that
 have it: 1 where all of the amplitude is told, 0 where none is (after the "star" pictures of Reu et al., DIC
 Challenge 2.0, Experimental Mechanics 62, 2022, who read the middle row alone).
