@@ -13,7 +13,9 @@ from validation.terminal import Terminal
 
 @app.command()
 def suite(
-    name: Annotated[str, typer.Argument(metavar="NAME", help="smoke or complex.")],
+    name: Annotated[
+        str, typer.Argument(metavar="NAME", help="smoke, complex, or anchor (finds the severity `paper`).")
+    ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="A folder; several suites may share it.")],
     method: Methods = None,
     quick: Quick = False,

@@ -7,6 +7,7 @@ with (0).
 from collections.abc import Callable
 from dataclasses import replace
 
+from validation.suites.anchor import anchor_suite
 from validation.suites.plan import Motion, Realisation, Suite
 
 SEEDS = (1, 2)
@@ -82,4 +83,8 @@ def _variations(quick: bool, seeds: tuple[int, ...], picture_seeds: tuple[int, .
     return found
 
 
-SUITES: dict[str, Callable[[bool], Suite]] = {"smoke": _smoke, "complex": _complex}
+SUITES: dict[str, Callable[[bool], Suite]] = {
+    "smoke": _smoke,
+    "complex": _complex,
+    "anchor": anchor_suite,
+}

@@ -7,6 +7,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from validation.suites import anchor
 from validation.suites.execution import Failure
 from validation.suites.headline import comparisons, headline_document, headlines
 from validation.suites.plan import Suite
@@ -44,6 +45,8 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
         _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
+    if suite.name == "anchor" and lines and not failures:
+        _replace(out / anchor.FILE, lambda path: anchor.write_anchor(lines, path))
     if lines:
         page = partial(write_suite_report, suite=suite, out=out, lines=lines, comparisons=compared)
         _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
