@@ -2,8 +2,8 @@
 
 Tuned on the controlled rotation alone, the one experiment with a published error, and on seeds of its own;
 then frozen in `validation/reference/paper_severity.toml` and used everywhere. Only so do errors in complex
-flow speak of the published technique. Noise of the sensor stands for all that disturbed the authors' pictures:
-added to a clean picture it gives errors spread as theirs are (95 % at about twice the median).
+flow speak of the published technique. Noise of the sensor stands for all that disturbed the authors'
+pictures: in a clean picture it gives errors spread as theirs are (95 % at about twice the median).
 """
 
 from collections.abc import Sequence

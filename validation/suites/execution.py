@@ -11,6 +11,7 @@ from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.run_folder import PARTIAL_PREFIX, RunFolder
 from validation.suites.plan import Look, Motion, Realisation, Suite
 from validation.terminal import Terminal
 from validation.versions import package_version
@@ -83,28 +84,35 @@ def carry_out(suite: Suite, out: Path, *, processes: int | None = None, terminal
     -------
     list of Failure
         Empty if all is done. What failed does not keep the others from being done.
+
+    Raises
+    ------
+    RunFolderError
+        The folder holds something else, or another process works in it.
     """
-    (out / MEASURED).mkdir(parents=True, exist_ok=True)
-    tasks = list(_missing(suite, out))
-    total = sum(len(task.looks) for task in tasks)
-    terminal.say(f"suite {suite.name}: {total} of {len(suite.looks)} measurements are missing")
-    failures: list[Failure] = []
-    if not tasks:
-        return failures
-    count = min(processes or os.cpu_count() or 1, len(tasks))
-    # Fresh processes: a forked one would share taichi's threads with its parent.
-    pool = ProcessPoolExecutor(count, mp_context=get_context("spawn"))
-    try:
-        futures = {pool.submit(carry_out_task, task): task for task in tasks}
+    with RunFolder.create(out):  # nobody else works in it, and what a killed suite left half-written is gone
+        (out / MEASURED).mkdir(exist_ok=True)
+        tasks = list(_missing(suite, out))
+        total = sum(len(task.looks) for task in tasks)
+        terminal.say(f"suite {suite.name}: {total} of {len(suite.looks)} measurements are missing")
+        if not tasks:
+            return []
+        count = min(processes or os.cpu_count() or 1, len(tasks))
         with terminal.progress(f"suite {suite.name}, {count} processes") as progress:
-            failures = _collected(futures, progress)
+            return _in_parallel(tasks, count, progress)
+
+
+def _in_parallel(tasks: list[Task], processes: int, progress: Callable[[int, int], None]) -> list[Failure]:
+    # Fresh processes: a forked one would share taichi's threads with its parent.
+    pool = ProcessPoolExecutor(processes, mp_context=get_context("spawn"))
+    try:
+        return _collected({pool.submit(carry_out_task, task): task for task in tasks}, progress)
     except BaseException:
         for process in list(getattr(pool, "_processes", {}).values()):
             process.terminate()  # files have their names only when they are whole
         raise
     finally:
         pool.shutdown(wait=True, cancel_futures=True)
-    return failures
 
 
 def _collected(
@@ -149,7 +157,6 @@ def carry_out_task(task: Task) -> list[Failure]:
 def _recording(task: Task, terminal: Terminal) -> "Recording":
     import synth
     from validation import chain
-    from validation.run_folder import RunFolder
 
     with RunFolder.create(task.out / MOTIONS / task.motion.name) as run:
         work = chain.Work("cpu", task.threads)
@@ -168,7 +175,7 @@ def _measure_all(
     from validation.suites.measurement import photograph
 
     failures = []
-    with tempfile.TemporaryDirectory(dir=task.out, prefix=".pictures-") as scratch:
+    with tempfile.TemporaryDirectory(dir=task.out, prefix=PARTIAL_PREFIX) as scratch:
         try:
             footage = photograph(recording, realisation, Path(scratch) / "footage", threads=task.threads)
         except Exception as error:

@@ -36,7 +36,7 @@ def test_measurements(out):
     assert [line["picture_seed"] for line in every] == [0, 1]
     assert all(0 < line["median"] < 0.2 and line["coverage"] > 0.9 for line in every)
     assert every[0]["median"] != every[1]["median"]
-    assert not list(out.glob(".pictures-*"))
+    assert not list(out.glob(".partial-*"))
 
 
 def test_profile_counts_every_pixel_once(out):
@@ -50,7 +50,9 @@ def test_does_only_what_is_missing(out):
     before = [path.stat().st_mtime_ns for path in paths]
     paths[1].write_bytes(paths[1].read_bytes()[:1000])  # cut short
     assert len(collect(SUITE, out)) == 5  # strata of the other one
+    (out / ".partial-killed").mkdir()
     assert carry_out(SUITE, out, processes=1, terminal=Terminal()) == []
+    assert not list(out.glob(".partial-*"))
     after = [path.stat().st_mtime_ns for path in paths]
     assert after[0] == before[0] and after[1] != before[1]
 
