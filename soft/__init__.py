@@ -12,7 +12,7 @@ if TYPE_CHECKING:
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
     from soft.inertial import InertialMotion, to_inertial
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
-    from soft.sequence import ImageSequence, SequenceError
+    from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
     from soft.velocity import to_polar, to_velocity
 
@@ -22,6 +22,8 @@ _HOMES = {
     "ImageSequence": "soft.sequence",
     "InertialMotion": "soft.inertial",
     "MovingRegion": "soft.segmentation",
+    "PairSelection": "soft.sequence",
+    "Region": "soft.sequence",
     "SequenceError": "soft.sequence",
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
@@ -50,6 +52,8 @@ __all__ = [
     "ImageSequence",
     "InertialMotion",
     "MovingRegion",
+    "PairSelection",
+    "Region",
     "SequenceError",
     "SoilFlowError",
     "SoilRegion",

@@ -3,7 +3,7 @@
 import json
 import platform
 import time
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -146,7 +146,7 @@ def _analyze_pairs(
     count = len(sequence.pairs)
     if progress:
         progress(0, count)
-    for k, (first, second) in enumerate(_picture_pairs(sequence)):
+    for k, (first, second) in enumerate(sequence.picture_pairs()):
         record = _analyze_pair(first, second, k, sequence, settings)
         writer.put(k, record.values)
         seconds.append(record.seconds)
@@ -154,15 +154,6 @@ def _analyze_pairs(
         if progress:
             progress(k + 1, count)
     return seconds, remarks
-
-
-def _picture_pairs(sequence: ImageSequence) -> Iterator[tuple[np.ndarray, np.ndarray]]:
-    """Pictures of consecutive pairs, each decoded once."""
-    first = sequence[0]
-    for _, k in sequence.pairs:
-        second = sequence[k]
-        yield first, second
-        first = second
 
 
 def _analyze_pair(
@@ -225,10 +216,10 @@ def _field_values(field: FlowField) -> dict[str, Any]:
 
 
 def _velocity_values(displacement: np.ndarray, sequence: ImageSequence) -> dict[str, Any]:
-    if sequence.metres_per_pixel is None or sequence.time_step is None:
+    if sequence.metres_per_pixel is None or sequence.pair_time is None:
         return {}
     velocity_x, velocity_z = to_velocity(
-        displacement, metres_per_pixel=sequence.metres_per_pixel, time_step=sequence.time_step
+        displacement, metres_per_pixel=sequence.metres_per_pixel, time_step=sequence.pair_time
     )
     return {"velocity_x": velocity_x, "velocity_z": velocity_z}
 
