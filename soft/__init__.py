@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from soft.analysis import analyze
+    from soft.camera_speed import CameraSpeed, camera_speed
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
     from soft.inertial import InertialMotion, to_inertial
@@ -17,6 +18,7 @@ if TYPE_CHECKING:
     from soft.velocity import to_polar, to_velocity
 
 _HOMES = {
+    "CameraSpeed": "soft.camera_speed",
     "FlowError": "soft.flow",
     "FlowField": "soft.flow",
     "ImageSequence": "soft.sequence",
@@ -28,6 +30,7 @@ _HOMES = {
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
     "analyze": "soft.analysis",
+    "camera_speed": "soft.camera_speed",
     "check_soil_flow": "soft.soilflow",
     "direction_figure": "soft.figures",
     "estimate_flow": "soft.flow",
@@ -47,6 +50,7 @@ _HOMES = {
 }
 
 __all__ = [
+    "CameraSpeed",
     "FlowError",
     "FlowField",
     "ImageSequence",
@@ -58,6 +62,7 @@ __all__ = [
     "SoilFlowError",
     "SoilRegion",
     "analyze",
+    "camera_speed",
     "check_soil_flow",
     "direction_figure",
     "estimate_flow",

@@ -50,6 +50,17 @@ CALIBRATED_VARIABLES = {
         _PIXEL, "float32", "m s-1", "vertical velocity in the inertial frame, up positive"
     ),
 }
+INTERVAL_VARIABLES = {
+    "camera_u_low": VariableSpec(_PAIR, "float32", "px", "lower bound of the 95 % interval of camera_u"),
+    "camera_u_high": VariableSpec(_PAIR, "float32", "px", "upper bound of the 95 % interval of camera_u"),
+    "camera_v_low": VariableSpec(
+        _PAIR, "float32", "px", "lower bound of the 95 % interval of camera_v, NaN where not taken out"
+    ),
+    "camera_v_high": VariableSpec(
+        _PAIR, "float32", "px", "upper bound of the 95 % interval of camera_v, NaN where not taken out"
+    ),
+}
+"""Of every SoilFlow written now; those of former versions have none."""
 NODE_VARIABLES = {
     "node_x": VariableSpec(_PIXEL, "float32", "px", "where a grid's vector was measured, NaN without one"),
     "node_y": VariableSpec(_PIXEL, "float32", "px", "where a grid's vector was measured, down positive"),
@@ -63,9 +74,10 @@ COORDINATES = {
 UNTIMED = VariableSpec(_PAIR, "float64", "frame", "index of the first frame, as the frame rate is unknown")
 
 
-def variables_for(*, calibrated: bool, gridded: bool) -> dict[str, VariableSpec]:
-    """Name the variables of a SoilFlow."""
-    return VARIABLES | (CALIBRATED_VARIABLES if calibrated else {}) | (NODE_VARIABLES if gridded else {})
+def variables_for(*, calibrated: bool, gridded: bool, bounded: bool = True) -> dict[str, VariableSpec]:
+    """Name the variables of a SoilFlow; `bounded` ones have intervals of the camera's motion."""
+    groups = ((calibrated, CALIBRATED_VARIABLES), (gridded, NODE_VARIABLES), (bounded, INTERVAL_VARIABLES))
+    return VARIABLES | {name: spec for held, group in groups if held for name, spec in group.items()}
 
 
 def coordinates_for(*, timed: bool) -> dict[str, VariableSpec]:
@@ -90,11 +102,12 @@ def check_soil_flow(flow: "xarray.Dataset", *, name: str = "SoilFlow") -> "xarra
         wrong.
     """
     _check_attributes(flow, name)
-    calibrated, gridded = (
+    calibrated, gridded, bounded = (
         any(variable in flow.data_vars for variable in group)
-        for group in (CALIBRATED_VARIABLES, NODE_VARIABLES)
+        for group in (CALIBRATED_VARIABLES, NODE_VARIABLES, INTERVAL_VARIABLES)
     )
-    for variable, spec in variables_for(calibrated=calibrated, gridded=gridded).items():
+    held = variables_for(calibrated=calibrated, gridded=gridded, bounded=bounded)
+    for variable, spec in held.items():
         _check_variable(flow, variable, spec, name)
     timed = "time" not in flow.coords or flow["time"].attrs.get("units") != UNTIMED.units
     for coordinate, spec in coordinates_for(timed=timed).items():

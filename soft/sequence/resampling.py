@@ -52,7 +52,9 @@ class Resampling:
         height, width = self.shape
         x = np.clip(self.source[:, :, 0], 0, width - 1)
         y = np.clip(self.source[:, :, 1], 0, height - 1)
-        return map_coordinates(picture, [y, x], order=3, mode="mirror", output=np.float32)
+        grey = map_coordinates(picture, [y, x], order=3, mode="mirror", output=np.float32)
+        # A spline through white and black may go a little beyond.
+        return np.clip(grey, 0, 255, out=grey)
 
     def of_mask(self, mask: np.ndarray) -> np.ndarray:
         """Nearest pixels of a mask, (H, W) bool; False where nothing is seen."""

@@ -9,12 +9,15 @@ import xarray
 from soft import (
     FlowError,
     ImageSequence,
+    Region,
     SoilFlowError,
     analyze,
     check_soil_flow,
+    pair_analysis,
     read_soil_flow,
     write_flo,
 )
+from soft.sequence.resampling import Resampling
 
 
 @pytest.fixture
@@ -137,6 +140,7 @@ def test_bad_requests_fail_before_a_file_is_made(sequence, tmp_path):
         ({"method": "nothing"}, FlowError),
         ({"options": {"nothing": 1}}, FlowError),
         ({"soil": "red"}, ValueError),
+        ({"camera": "red"}, ValueError),
     ):
         with pytest.raises(error):
             analyze(sequence, path=path, **keywords)
@@ -180,6 +184,7 @@ class TestValidator:
         ("change", "message"),
         [
             (lambda f: f.drop_vars("soil"), "variable soil is missing"),
+            (lambda f: f.drop_vars("camera_u_high"), "variable camera_u_high is missing"),
             (lambda f: f.drop_vars("velocity_z"), "variable velocity_z is missing"),
             (lambda f: f.drop_vars("time"), "variable time is missing"),
             (lambda f: f.assign(valid=f["valid"].astype(float)), "variable valid: type float64"),
@@ -191,6 +196,9 @@ class TestValidator:
     def test_wrong_forms_are_refused(self, flow, change, message):
         with pytest.raises(SoilFlowError, match=message):
             check_soil_flow(change(flow))
+
+    def test_files_without_intervals_are_read_still(self, flow):
+        check_soil_flow(flow.drop_vars([f"camera_{c}_{b}" for c in "uv" for b in ("low", "high")]))
 
     def test_no_file_and_no_netcdf(self, tmp_path):
         with pytest.raises(SoilFlowError, match="no such file"):
@@ -212,3 +220,85 @@ def test_tbar_flow_is_plausible(real_data):
     assert np.nanmedian(speed) == pytest.approx(0.5, abs=0.1)
     assert np.nanpercentile(speed[225:525, 225:725], 95) == pytest.approx(0.9, abs=0.15)
     assert np.nanmedian(v) > 0.4, "the soil goes towards the lower edge"
+
+
+class TestPartsOfPictures:
+    def test_region_tells_where_it_lies(self, sequence):
+        part = sequence.crop(Region(x=30, y=20, width=150, height=100))
+        flow = analyze(part, method="farneback", soil="all")
+        assert (flow.sizes["x"], flow.sizes["y"]) == (150, 100)
+        assert (flow.attrs["region_x"], flow.attrs["region_y"]) == (30, 20)
+        whole = analyze(sequence, method="farneback", soil="all")
+        there = whole["u"].values[:, 40:100, 60:140]
+        assert np.abs(flow["u"].values[:, 20:80, 30:110] - there).max() < 0.1
+        assert whole.attrs["region_x"] == 0
+
+    def test_mask_takes_soil_away_and_nothing_else(self, sequence, tmp_path):
+        mask = np.zeros((160, 220), np.uint8)
+        mask[:, 100:] = 255
+        cv2.imwrite(str(tmp_path / "mask.png"), mask)
+        flow = analyze(sequence.mask(tmp_path / "mask.png"), method="farneback", soil="all")
+        assert np.array_equal(flow["soil"].values[0], mask > 0)
+        assert flow["valid"].values[0][:, :100].any()
+        assert flow.attrs["masks"] == "static"
+
+    def test_what_the_camera_did_not_see_is_not_measured(self, sequence):
+        y, x = np.mgrid[:160, :220].astype(np.float32)
+        resampling = Resampling(np.stack([x - 20, y], axis=2), (160, 220))
+        flow = analyze(sequence.resample(resampling), method="farneback", soil="all")
+        assert not flow["valid"].values[0][:, :20].any()
+        assert not flow["soil"].values[0][:, :20].any()
+        assert flow["valid"].values[0][20:-20, 40:-20].all()
+        # Soil that goes to where nothing was seen is not measured either.
+        back = ImageSequence.from_arrays([sequence[2], sequence[0]]).resample(resampling)
+        assert not analyze(back, method="farneback", soil="all")["valid"].values[0][20:-20, 20:22].any()
+
+
+class TestStoppedAndContinued:
+    def analyze(self, sequence, folder, **options):
+        return analyze(sequence, method="farneback", soil="all", keep=folder / "kept", **options)
+
+    def test_goes_on_with_what_is_missing_and_ends_with_the_same_values(
+        self, sequence, tmp_path, monkeypatch
+    ):
+        def stop(done, count):
+            if done == 1:
+                raise KeyboardInterrupt
+
+        whole = analyze(sequence, method="farneback", soil="all")
+        with pytest.raises(KeyboardInterrupt):
+            self.analyze(sequence, tmp_path, progress=stop, path=tmp_path / "x.nc")
+        measured = self._count(monkeypatch)
+        with self.analyze(sequence, tmp_path, path=tmp_path / "x.nc") as flow:
+            xarray.testing.assert_equal(whole, flow)
+        assert len(measured) == 1, "the first pair was kept"
+
+    def test_other_pictures_and_settings_are_measured_anew(self, sequence, tmp_path, monkeypatch):
+        self.analyze(sequence, tmp_path)
+        measured = self._count(monkeypatch)
+        self.analyze(sequence, tmp_path, camera="mode", seed=3)
+        assert not measured, "flow depends on neither"
+        self.analyze(sequence, tmp_path, options={"window_size": 9})
+        assert len(measured) == 2
+        pictures = [sequence[0], sequence[1], np.minimum(sequence[2] + 1, 255)]
+        self.analyze(ImageSequence.from_arrays(pictures), tmp_path)
+        assert len(measured) == 3, "of the second pair only"
+
+    def test_damaged_file_counts_as_not_there(self, sequence, tmp_path):
+        whole = self.analyze(sequence, tmp_path)
+        for k, file in enumerate(sorted((tmp_path / "kept").iterdir())):
+            file.write_bytes(file.read_bytes()[:1000] if k else b"")
+        xarray.testing.assert_equal(self.analyze(sequence, tmp_path), whole)
+
+    def test_nothing_is_kept_of_a_function(self, sequence, tmp_path):
+        analyze(sequence, method=_still_soil, soil="all", keep=tmp_path / "kept")
+        assert not (tmp_path / "kept").exists()
+
+    @staticmethod
+    def _count(monkeypatch):
+        measured = []
+        estimate = pair_analysis.estimate_flow
+        monkeypatch.setattr(
+            pair_analysis, "estimate_flow", lambda *a, **k: measured.append(1) or estimate(*a, **k)
+        )
+        return measured

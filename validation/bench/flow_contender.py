@@ -77,7 +77,7 @@ class Contender:
         PeerError
             The package is not installed.
         """
-        from soft.analysis import around
+        from soft.pair_analysis import around
         from soft.flow import estimate_flow, find_estimator
 
         version = package_version(self.package)
