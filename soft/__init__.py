@@ -8,17 +8,17 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from soft.analysis import analyze
-    from soft.camera_speed import CameraSpeed, camera_speed
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
     from soft.inertial import InertialMotion, to_inertial
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
+    from soft.travel import CameraSpeed, camera_speed
     from soft.velocity import to_polar, to_velocity
 
 _HOMES = {
-    "CameraSpeed": "soft.camera_speed",
+    "CameraSpeed": "soft.travel",
     "FlowError": "soft.flow",
     "FlowField": "soft.flow",
     "ImageSequence": "soft.sequence",
@@ -30,7 +30,7 @@ _HOMES = {
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
     "analyze": "soft.analysis",
-    "camera_speed": "soft.camera_speed",
+    "camera_speed": "soft.travel",
     "check_soil_flow": "soft.soilflow",
     "direction_figure": "soft.figures",
     "estimate_flow": "soft.flow",

@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from soft.camera_speed import CameraSpeed
 from soft.flow import DEFAULT, FlowError, FlowFiles, find_estimator, resolve_options
 from soft.flow.files import PREFIX
 from soft.flow_store import FlowStore
@@ -20,6 +19,7 @@ from soft.segmentation import SOIL_CHOICES
 from soft.sequence import ImageSequence
 from soft.soilflow import SCHEMA_VERSION
 from soft.soilflow_writer import FileWriter, MemoryWriter, SoilFlowWriter
+from soft.travel import CameraSpeed
 
 if TYPE_CHECKING:
     import xarray
