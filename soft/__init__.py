@@ -8,16 +8,21 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from soft.analysis import analyze
+    from soft.calibration import CalibrationError
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
     from soft.inertial import InertialMotion, to_inertial
+    from soft.opening import open_sequence
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
+    from soft.settings import AnalysisSettings, SettingsError, write_settings
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
     from soft.travel import CameraSpeed, camera_speed
     from soft.velocity import to_polar, to_velocity
 
 _HOMES = {
+    "AnalysisSettings": "soft.settings",
+    "CalibrationError": "soft.calibration",
     "CameraSpeed": "soft.travel",
     "FlowError": "soft.flow",
     "FlowField": "soft.flow",
@@ -27,6 +32,7 @@ _HOMES = {
     "PairSelection": "soft.sequence",
     "Region": "soft.sequence",
     "SequenceError": "soft.sequence",
+    "SettingsError": "soft.settings",
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
     "analyze": "soft.analysis",
@@ -35,6 +41,7 @@ _HOMES = {
     "direction_figure": "soft.figures",
     "estimate_flow": "soft.flow",
     "moving_mask": "soft.segmentation",
+    "open_sequence": "soft.opening",
     "picture_figure": "soft.figures",
     "read_flo": "soft.flow",
     "read_kitti": "soft.flow",
@@ -47,9 +54,12 @@ _HOMES = {
     "write_figures": "soft.figures",
     "write_flo": "soft.flow",
     "write_kitti": "soft.flow",
+    "write_settings": "soft.settings",
 }
 
 __all__ = [
+    "AnalysisSettings",
+    "CalibrationError",
     "CameraSpeed",
     "FlowError",
     "FlowField",
@@ -59,6 +69,7 @@ __all__ = [
     "PairSelection",
     "Region",
     "SequenceError",
+    "SettingsError",
     "SoilFlowError",
     "SoilRegion",
     "analyze",
@@ -67,6 +78,7 @@ __all__ = [
     "direction_figure",
     "estimate_flow",
     "moving_mask",
+    "open_sequence",
     "picture_figure",
     "read_flo",
     "read_kitti",
@@ -79,6 +91,7 @@ __all__ = [
     "write_figures",
     "write_flo",
     "write_kitti",
+    "write_settings",
 ]
 
 

@@ -199,6 +199,7 @@ def _attributes(sequence: ImageSequence, settings: PairSettings, told: _Told) ->
         "options": json.dumps(settings.identity["options"], sort_keys=True),
         "versions": json.dumps(settings.identity["versions"], sort_keys=True),
         "seconds_per_pair": float(np.mean(told.seconds)),
+        "calibration": sequence.calibration,
         "camera": _camera_rule(settings),
         "camera_speed": str(told.camera),
         "vertical": int(settings.vertical),

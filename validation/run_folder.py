@@ -146,6 +146,10 @@ class RunFolder:
         """Path of the soil flow one method measured."""
         return self.path / "analysis" / f"{slug}.nc"
 
+    def kept_flow(self, slug: str) -> Path:
+        """Where flow of a stopped analysis is kept; gone once its soil flow is whole."""
+        return self.path / f".analysis-{slug}"
+
     def why_do(self, step: str, key: str) -> str | None:
         """Say why `step` must be done; None where its files are there, whole and of this key."""
         done = self.manifest.steps.get(step)

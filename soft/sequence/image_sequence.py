@@ -43,6 +43,8 @@ class ImageSequence:
         The part that is used, in px of the (resampled) picture.
     masks : UserMasks or None
         Where soil may be.
+    calibration : str
+        How the pixel size was found, in words; empty where it was given.
     """
 
     frames: Frames
@@ -52,6 +54,7 @@ class ImageSequence:
     resampling: Resampling | None = None
     region: Region | None = None
     masks: UserMasks | None = None
+    calibration: str = ""
 
     @classmethod
     def open(

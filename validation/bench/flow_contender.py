@@ -77,8 +77,8 @@ class Contender:
         PeerError
             The package is not installed.
         """
-        from soft.pair_analysis import around
         from soft.flow import estimate_flow, find_estimator
+        from soft.pair_analysis import around
 
         version = package_version(self.package)
         if version == "not installed":

@@ -1,6 +1,8 @@
 """Pictures to soil flow, and its figures."""
 
+import shutil
 from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
 
 from validation.chain.scoring import require_truth
 from validation.chain.step import Work, made_by, skips
@@ -10,6 +12,9 @@ from validation.methods import DEFAULT, Method
 from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 
+if TYPE_CHECKING:
+    from soft import AnalysisSettings
+
 _NEVER_SKIPPED = "a function of your own, whose code may have changed"
 
 
@@ -18,37 +23,52 @@ def analyze(
     material: Material,
     method: Method,
     *,
-    soil: str = "bright",
-    vertical: bool = False,
+    settings: "AnalysisSettings | None" = None,
     work: Work,
     terminal: Terminal,
 ) -> None:
-    """Write `analysis/<method>.nc`."""
+    """Write `analysis/<method>.nc`; say how the camera moved.
+
+    Flow is kept pair by pair until the file is whole: stopped, the same command measures what is missing.
+    """
     import soft
 
-    key = _analyze_key(material, method, soil, vertical)
+    settings = settings or soft.AnalysisSettings()
+    key = _analyze_key(material, method, settings)
     step = _analyze_step(method)
     if skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
         return
+    kept = run.kept_flow(method.slug)
+    if kept.is_dir():
+        terminal.say(f"{step}: was stopped: flow of {len(list(kept.glob('*.npz')))} pairs is kept")
     with run.writing(step, key) as draft, terminal.progress(f"analyze with {method.name}") as progress:
         path = draft.folder / "analysis" / f"{method.slug}.nc"
         path.parent.mkdir()
-        soft.analyze(
+        with soft.analyze(
             material.sequence,
             method=method.name,
-            soil=soil,
-            vertical=vertical,
+            options=_options(method, settings),
+            soil=settings.soil.kind,
+            camera=settings.camera.motion,
+            vertical=settings.camera.vertical,
+            seed=settings.flow.seed,
             threads=work.threads,
             device=work.device,
             progress=progress,
             path=path,
-        ).close()
+            keep=kept,
+        ) as flow:
+            travel = str(flow.attrs["camera_speed"])
         draft.facts |= {
             "method": method.name,
             "pictures": material.digest,
-            "soil": soil,
-            "vertical": vertical,
+            "soil": settings.soil.kind,
+            "vertical": settings.camera.vertical,
+            "settings": settings.to_dict(),
+            "camera_speed": travel,
         }
+    shutil.rmtree(kept, ignore_errors=True)
+    terminal.say(f"  camera: {travel}")
 
 
 def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
@@ -116,15 +136,23 @@ def _analyze_step(method: Method) -> str:
     return f"analyze {method.slug}"
 
 
-def _analyze_key(material: Material, method: Method, soil: str, vertical: bool) -> str:
+def _options(method: Method, settings: "AnalysisSettings") -> dict[str, Any]:
+    """Options of the method that they were set for; any other has its defaults."""
+    return dict(settings.flow.options) if method.name == settings.flow.method else {}
+
+
+def _analyze_key(material: Material, method: Method, settings: "AnalysisSettings") -> str:
     return key_of(
         step="analyze",
         made_by=made_by("numpy", "opencv-python-headless", "scikit-learn", *_needs(method)),
         pictures=material.digest,
         method=method.name,
+        options=_options(method, settings),
         files=_flow_files(method),
-        soil=soil,
-        vertical=vertical,
+        soil=settings.soil.kind,
+        camera=settings.camera.motion,
+        vertical=settings.camera.vertical,
+        seed=settings.flow.seed,
     )
 
 

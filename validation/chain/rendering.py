@@ -10,6 +10,7 @@ from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 
 if TYPE_CHECKING:
+    from soft import AnalysisSettings
     from synth import AnyScene
 
 
@@ -37,8 +38,8 @@ def render(run: RunFolder, *, work: Work, terminal: Terminal) -> None:
         synth.render(recording, scene, folder, device=work.device, threads=work.threads, progress=progress)
 
 
-def footage_of(run: RunFolder) -> Material:
-    """Open the pictures of a run.
+def footage_of(run: RunFolder, settings: "AnalysisSettings | None" = None) -> Material:
+    """Open the pictures of a run; `settings` say which are used, and how.
 
     Raises
     ------
@@ -50,7 +51,7 @@ def footage_of(run: RunFolder) -> Material:
         raise RunFolderError(f"{run.path}: no footage of its own: give the pictures' folder")
     scene = simulated_scene(run)
     require_step(run, "render", _render_key(run, scene), hint)
-    return Material.open(run.footage)
+    return Material.open(run.footage, settings)
 
 
 def _render_key(run: RunFolder, scene: "AnyScene") -> str:

@@ -1,27 +1,36 @@
 """Commands that measure and score: analyze, score, run."""
 
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
 from validation.cli.app import app
 from validation.cli.folders import methods_of_this_folder, opened_material, show_scores, step_document
 from validation.cli.options import (
+    Camera,
     Debug,
     Device,
+    Every,
     FrameRate,
     Json,
+    LensFile,
+    Masks,
     Methods,
     MetresPerPixel,
     Out,
     OutFolder,
     Overwrite,
     Quick,
+    RegionText,
     Resume,
     SceneName,
     Seed,
+    Settings,
     Soil,
+    Start,
+    Stop,
+    Stride,
     Threads,
     Vertical,
 )
@@ -31,37 +40,84 @@ from validation.terminal import Terminal
 @app.command()
 def analyze(
     path: Annotated[
-        Path, typer.Argument(metavar="PATH", help="A run folder, a footage folder, or a folder of pictures.")
-    ],
+        Path | None,
+        typer.Argument(
+            metavar="PATH", help="A run folder, a footage folder, a folder of pictures, or a video."
+        ),
+    ] = None,
     method: Methods = None,
     out: Out = None,
+    settings: Settings = None,
+    write_settings: Annotated[
+        Path | None,
+        typer.Option(
+            metavar="FILE",
+            help="Write all settings with their defaults, and do nothing else.",
+            show_default=False,
+        ),
+    ] = None,
     metres_per_pixel: MetresPerPixel = None,
     frame_rate: FrameRate = None,
-    soil: Soil = "bright",
-    vertical: Vertical = False,
+    lens: LensFile = None,
+    start: Start = None,
+    stop: Stop = None,
+    stride: Stride = None,
+    every: Every = None,
+    region: RegionText = None,
+    masks: Masks = None,
+    soil: Soil = None,
+    camera: Camera = None,
+    vertical: Vertical = None,
     threads: Threads = None,
     device: Device = "cpu",
     json: Json = False,
     debug: Debug = False,
 ) -> None:
-    """Measure soil flow in pictures: analysis/METHOD.nc, and figures/ where no truth is known."""
-    from validation import chain
-    from validation.methods import DEFAULT, choose
+    """Measure soil flow in pictures: analysis/METHOD.nc, and figures/ where no truth is known.
+
+    Stopped and called again, it goes on with the pairs that are missing.
+    """
+    from validation.cli.settings import given_settings, settings_written
 
     terminal = Terminal(json=json)
+    if write_settings is not None:
+        settings_written(write_settings, terminal)
+        return
+    if path is None:
+        raise typer.BadParameter("PATH is missing")
+    chosen = given_settings(
+        settings,
+        frames={"start": start, "stop": stop, "stride": stride, "every": every, "frame_rate": frame_rate},
+        calibration={"metres_per_pixel": metres_per_pixel, "lens": lens},
+        region=region,
+        soil={"kind": soil, "masks": masks},
+        camera={"motion": camera, "vertical": vertical},
+    )
+    _analyze(path, method, out, chosen, threads, device, terminal)
+
+
+def _analyze(
+    path: Path,
+    method: list[str] | None,
+    out: Path | None,
+    settings: Any,
+    threads: int | None,
+    device: str,
+    terminal: Terminal,
+) -> None:
+    from validation import chain
+    from validation.methods import choose
+
+    work = chain.Work(device, threads)
     with terminal.working(), methods_of_this_folder():
-        methods = choose(method or [DEFAULT])
-        scale = {"metres_per_pixel": metres_per_pixel, "frame_rate": frame_rate}
-        with opened_material(path, out, **scale) as (run, material):
-            for chosen in methods:
-                work = chain.Work(device, threads)
-                chain.analyze(
-                    run, material, chosen, soil=soil, vertical=vertical, work=work, terminal=terminal
-                )
+        methods = choose(method or [settings.flow.method])
+        with opened_material(path, out, settings) as (run, material):
+            for one in methods:
+                chain.analyze(run, material, one, settings=settings, work=work, terminal=terminal)
             if not material.has_truth:
                 chain.draw(run, material, methods, terminal=terminal)
-            document = step_document(run, *(f"analyze {chosen.slug}" for chosen in methods))
-    terminal.show("\n".join(str(run.analysis(chosen.slug)) for chosen in methods))
+            document = step_document(run, *(f"analyze {one.slug}" for one in methods))
+    terminal.show("\n".join(str(run.analysis(one.slug)) for one in methods))
     if not material.has_truth:
         terminal.show(f"figures: {run.figures}")
     terminal.give(document)

@@ -12,8 +12,8 @@ from validation.terminal import Terminal
 
 
 @contextmanager
-def opened_material(path: Path, out: Path | None, **scale: float | None) -> Iterator[tuple[Any, Any]]:
-    """Open the folder that results go to, and the pictures."""
+def opened_material(path: Path, out: Path | None, settings: Any = None) -> Iterator[tuple[Any, Any]]:
+    """Open the folder that results go to, and the pictures, as settings say if there are any."""
     from validation import chain
     from validation.material import Material, results_folder
     from validation.run_folder import RunFolder, is_run_folder
@@ -22,25 +22,32 @@ def opened_material(path: Path, out: Path | None, **scale: float | None) -> Iter
     if chosen != path and (chosen / "recording.nc").is_file():
         raise typer.BadParameter(f"--out: {chosen} is the run folder of a simulation, not for other pictures")
     if is_run_folder(path):
-        _refuse_scale(path, scale)
+        _refuse_scale(path, settings)
         with RunFolder.open(path) as source:
-            material = chain.footage_of(source)
+            material = chain.footage_of(source, settings)
             if chosen == path:
                 yield source, material
                 return
             with RunFolder.create(chosen) as results:
                 yield results, material
         return
-    material = Material.open(path, **scale)
+    material = Material.open(path, settings)
     with RunFolder.create(chosen) as results:
         yield results, material
 
 
-def _refuse_scale(path: Path, scale: dict[str, float | None]) -> None:
-    given = [name for name, value in scale.items() if value is not None]
-    if given:
-        option = f"--{given[0].replace('_', '-')}"
-        raise typer.BadParameter(f"{option}: {path} is a run folder, whose footage knows its own")
+def _refuse_scale(path: Path, settings: Any) -> None:
+    """Refuse another time step or scale than the footage of a run tells."""
+    if settings is None:
+        return
+    given = {
+        "--frame-rate": settings.frames.frame_rate is not None,
+        "--metres-per-pixel": settings.calibration.metres_per_pixel is not None,
+        "calibration": settings.calibration != type(settings.calibration)(),
+    }
+    for what, is_given in given.items():
+        if is_given:
+            raise typer.BadParameter(f"{what}: {path} is a run folder, whose footage knows its own")
 
 
 @contextmanager

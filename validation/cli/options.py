@@ -36,11 +36,62 @@ MetresPerPixel = Annotated[
 ]
 FrameRate = Annotated[float | None, typer.Option(help="Pictures a second.", show_default=False)]
 Soil = Annotated[
-    Literal["bright", "dark", "all"],
-    typer.Option(help="Soil against what surrounds it; all: only soil."),
+    Literal["bright", "dark", "all"] | None,
+    typer.Option(
+        help="Soil against what surrounds it; all: only soil.  [default: bright]", show_default=False
+    ),
 ]
 Vertical = Annotated[
-    bool, typer.Option("--vertical", help="Take the camera's vertical motion out, too (handheld, settling).")
+    bool | None,
+    typer.Option(
+        "--vertical/--no-vertical",
+        help="Take the camera's vertical motion out, too (handheld, settling).",
+        show_default=False,
+    ),
+]
+Camera = Annotated[
+    Literal["median", "mode"] | None,
+    typer.Option(
+        help="Its motion: median over soil, or what most soil shares (mode), where over half of it moves.  "
+        "[default: median]",
+        show_default=False,
+    ),
+]
+Settings = Annotated[
+    Path | None,
+    typer.Option(metavar="FILE", help="A TOML file of settings; options go before it.", show_default=False),
+]
+Start = Annotated[
+    int | None, typer.Option(metavar="N", help="Frame of the first pair; the first is 0.", show_default=False)
+]
+Stop = Annotated[
+    int | None, typer.Option(metavar="N", help="Frames from this one on are not used.", show_default=False)
+]
+Stride = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Frames from a pair's first picture to its second.", show_default=False),
+]
+Every = Annotated[
+    int | None,
+    typer.Option(metavar="N", help="Frames from one pair's first to the next pair's.", show_default=False),
+]
+RegionText = Annotated[
+    str | None,
+    typer.Option(
+        "--region", metavar="X,Y,W,H", help="Only this part of the picture, px.", show_default=False
+    ),
+]
+Masks = Annotated[
+    Path | None,
+    typer.Option(
+        metavar="PATH",
+        help="A picture for all frames, or a folder of one each: black is never soil.",
+        show_default=False,
+    ),
+]
+LensFile = Annotated[
+    Path | None,
+    typer.Option("--lens", metavar="FILE", help="A lens file: distortion is taken out.", show_default=False),
 ]
 Json = Annotated[bool, typer.Option("--json", help="One JSON document on standard output and nothing else.")]
 Debug = Annotated[bool, typer.Option("--debug", help="A full traceback when something fails.")]
