@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.camera import CameraScore
 from validation.metrics import ErrorSummary, ErrorTally
 from validation.nodes import difference_at, has_node, stacked
 from validation.strata import STRATA, find_strata
@@ -34,10 +35,19 @@ class MethodScore:
         Wall time of the analysis a picture pair.
     strata : dict
         An `ErrorSummary` for every name of `STRATA`.
+    camera : CameraScore or None
+        How well the camera's motion was found.
     """
 
     seconds_per_pair: float | None
     strata: dict[str, ErrorSummary]
+    camera: CameraScore | None = None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As it stands in scores.json; without a camera whose motion is not known."""
+        strata = {stratum: summary.to_dict() for stratum, summary in self.strata.items()}
+        camera = {} if self.camera is None else {"camera": self.camera.to_dict()}
+        return {"seconds_per_pair": self.seconds_per_pair, "strata": strata, **camera}
 
 
 @dataclass(frozen=True)
@@ -58,13 +68,7 @@ class Scores:
             "seed": self.seed,
             "quick": self.quick,
             "versions": self.versions,
-            "methods": {
-                name: {
-                    "seconds_per_pair": method.seconds_per_pair,
-                    "strata": {stratum: summary.to_dict() for stratum, summary in method.strata.items()},
-                }
-                for name, method in self.methods.items()
-            },
+            "methods": {name: method.to_dict() for name, method in self.methods.items()},
         }
 
     def write(self, path: str | Path) -> None:
@@ -93,7 +97,8 @@ class Scores:
 
 def _method_from(table: dict[str, Any]) -> MethodScore:
     strata = {name: ErrorSummary(**summary) for name, summary in table["strata"].items()}
-    return MethodScore(table["seconds_per_pair"], strata)
+    camera = CameraScore(**table["camera"]) if "camera" in table else None
+    return MethodScore(table["seconds_per_pair"], strata, camera)
 
 
 def score_flows(

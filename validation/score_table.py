@@ -38,6 +38,12 @@ def score_table(scores: "Scores") -> "Table":
     return table
 
 
+def camera_lines(scores: "Scores") -> list[str]:
+    """Say how well each method found the camera's motion, one line each."""
+    told = [(name, method.camera) for name, method in scores.methods.items() if method.camera is not None]
+    return [f"camera, {name}: {camera}" for name, camera in told]
+
+
 def cells(summary: "ErrorSummary") -> list[str]:
     """Pixels, measured share, median, 95 %, and the wrong shares of one stratum."""
     return [

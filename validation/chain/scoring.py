@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from validation.camera import score_camera
 from validation.chain.step import made_by, skips
 from validation.manifest import file_digest, key_of
 from validation.material import Material
@@ -79,11 +80,12 @@ def _write_scores(
         flows |= {method.name: soft.read_soil_flow(run.analysis(method.slug)) for method in methods}
         with synth.Footage.open(material.folder) as footage, terminal.progress("score") as progress:
             summaries = score_flows(footage, flows, progress=progress)
+            cameras = {name: score_camera(flow, footage.truths) for name, flow in flows.items()}
         seconds = {m.name: _seconds_per_pair(m, flows[m.name]) for m in methods}
     finally:
         for flow in flows.values():
             flow.close()
-    results = {name: MethodScore(seconds[name], strata) for name, strata in summaries.items()}
+    results = {name: MethodScore(seconds[name], strata, cameras[name]) for name, strata in summaries.items()}
     with run.writing("score", key) as draft:
         Scores(labels.scene, labels.seed, labels.quick, results, package_versions()).write(
             draft.folder / run.scores.name

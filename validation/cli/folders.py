@@ -76,10 +76,10 @@ def step_document(run: Any, *steps: str) -> dict[str, Any]:
 
 def show_scores(run: Any, scores: Any, terminal: Terminal) -> None:
     """Show scores as a table, beside published ones, or as JSON."""
-    from validation.score_table import published_lines, score_table
+    from validation.score_table import camera_lines, published_lines, score_table
 
     terminal.show(score_table(scores))
-    for line in published_lines(run):
+    for line in [*camera_lines(scores), *published_lines(run)]:
         terminal.show(line)
     terminal.show(f"scores: {run.scores}\nreport: {run.report}")
     terminal.give(scores.to_dict())

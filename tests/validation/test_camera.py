@@ -1,0 +1,36 @@
+import numpy as np
+import pytest
+import xarray as xr
+
+from validation.camera import CameraScore, score_camera
+
+
+def pairs(**values):
+    return xr.Dataset({name: ("pair", np.array(v, float)) for name, v in values.items()})
+
+
+def test_error_is_measured_less_true():
+    truth = pairs(camera_u=[-7.0, -7.4, -7.2, -7.2])
+    flow = pairs(
+        camera_u=[-6.9, -7.3, -7.1, np.nan],
+        camera_u_low=[-7.05, -7.35, np.nan, np.nan],
+        camera_u_high=[-6.8, -7.25, np.nan, np.nan],
+    )
+    score = score_camera(flow, truth)
+    assert score.pair_count == 3
+    assert score.bias_u == pytest.approx(0.1)
+    assert score.range_u == pytest.approx(0, abs=1e-9)
+    assert score.largest_u == pytest.approx(0.1)
+    assert score.measured_range_u == pytest.approx(1.96 * 0.2)
+    assert score.true_range_u == pytest.approx(1.96 * 0.2)
+    assert score.covered == 0.5
+    assert "off by +0.100 ± 0.000 px (95 % of 3 pairs)" in str(score)
+    assert CameraScore(**score.to_dict()) == score
+
+
+def test_nothing_to_tell():
+    assert score_camera(pairs(camera_u=[1.0]), pairs(u=[1.0])) is None
+    score = score_camera(pairs(camera_u=[np.nan]), pairs(camera_u=[1.0]))
+    assert (score.pair_count, score.bias_u, score.covered) == (0, None, None)
+    assert str(score) == "not measured"
+    assert "1 pair" in str(score_camera(pairs(camera_u=[1.5]), pairs(camera_u=[1.0])))

@@ -1,0 +1,109 @@
+"""The camera's motion as measured beside the true one (section 3.1.2)."""
+
+from dataclasses import asdict, dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+PUBLISHED_RANGE = 0.34
+"""px a frame: 95 % range of the camera's motion over 50 pairs (Skonieczny et al. 2014, section 3.1.2).
+
+It holds what the rig did as well as what the measurement erred by, which could not be told apart there.
+"""
+
+_NORMAL_95 = 1.96
+
+
+@dataclass(frozen=True)
+class CameraScore:
+    """Measured less true apparent displacement of resting soil, over all pairs.
+
+    Attributes
+    ----------
+    pair_count : int
+        Pairs whose camera motion was measured.
+    bias_u : float or None
+        Mean error in px; None where no pair was measured.
+    range_u : float or None
+        1.96 standard deviations of the errors in px; None for fewer than two pairs.
+    largest_u : float or None
+        Largest magnitude of an error in px.
+    measured_range_u : float or None
+        1.96 standard deviations of the measured motion in px, what `PUBLISHED_RANGE` is of.
+    true_range_u : float or None
+        The same of the true motion: by vibration, jitter and drive.
+    covered : float or None
+        Share of the pairs with an interval whose true motion lies in it; 0.95 is what is promised.
+    """
+
+    pair_count: int
+    bias_u: float | None
+    range_u: float | None
+    largest_u: float | None
+    measured_range_u: float | None
+    true_range_u: float | None
+    covered: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As it stands in scores.json."""
+        return asdict(self)
+
+    def __str__(self) -> str:
+        """In one line."""
+        if self.bias_u is None:
+            return "not measured"
+        if self.range_u is None:
+            return f"off by {self.bias_u:+.3f} px (1 pair)"
+        covered = "" if self.covered is None else f", true motion in {self.covered:.0%} of the intervals"
+        return (
+            f"off by {self.bias_u:+.3f} ± {self.range_u:.3f} px (95 % of {self.pair_count} pairs), "
+            f"at most {self.largest_u:.3f} px; measured range ± {self.measured_range_u:.3f} px, "
+            f"true ± {self.true_range_u:.3f} px{covered}"
+        )
+
+
+def score_camera(flow: "xr.Dataset", truth: "xr.Dataset") -> CameraScore | None:
+    """Compare the camera's motion in a SoilFlow with the truth about the same pairs.
+
+    Parameters
+    ----------
+    flow : xarray.Dataset
+        A SoilFlow.
+    truth : xarray.Dataset
+        Over `pair`: `camera_u`, px.
+
+    Returns
+    -------
+    CameraScore or None
+        None where the truth does not tell the camera's motion.
+    """
+    if "camera_u" not in truth:
+        return None
+    true = truth["camera_u"].values.astype(np.float64)
+    measured = flow["camera_u"].values.astype(np.float64)
+    known = np.isfinite(measured) & np.isfinite(true)
+    error = (measured - true)[known]
+    return CameraScore(
+        pair_count=error.size,
+        bias_u=float(error.mean()) if error.size else None,
+        range_u=_range(error),
+        largest_u=float(np.abs(error).max()) if error.size else None,
+        measured_range_u=_range(measured[known]),
+        true_range_u=_range(true[known]),
+        covered=_covered(flow, true),
+    )
+
+
+def _range(values: np.ndarray) -> float | None:
+    return _NORMAL_95 * float(values.std(ddof=1)) if values.size > 1 else None
+
+
+def _covered(flow: "xr.Dataset", true: np.ndarray) -> float | None:
+    if "camera_u_low" not in flow:
+        return None
+    low, high = flow["camera_u_low"].values, flow["camera_u_high"].values
+    told = np.isfinite(low) & np.isfinite(high) & np.isfinite(true)
+    return float(((low <= true) & (true <= high))[told].mean()) if told.any() else None
