@@ -198,6 +198,14 @@ class AnalysisSettings(_Table):
             {key: value for key, value in table.items() if value or key != "region"}, name=name
         )
 
+    def rooted(self) -> "AnalysisSettings":
+        """With absolute paths, which mean the same in any folder."""
+        lens, masks = self.calibration.lens, self.soil.masks
+        return self.changed(
+            calibration={"lens": None if lens is None else lens.absolute()},
+            soil={"masks": None if masks is None else masks.absolute()},
+        )
+
     def to_dict(self) -> dict[str, Any]:
         """As JSON can hold them, without those that have no value."""
         return self.model_dump(mode="json", exclude_none=True)

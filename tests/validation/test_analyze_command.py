@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from soft import read_soil_flow
+from soft import read_flo, read_soil_flow
 
 SHAPE = (96, 128)
 
@@ -85,6 +85,11 @@ def test_region_and_masks(softbed, photographs):
         assert (flow.sizes["pair"], flow.sizes["y"], flow.sizes["x"]) == (1, 70, 60)
         assert (flow.attrs["region_x"], flow.attrs["region_y"]) == (40, 10)
         assert np.array_equal(flow["soil"].values[0], mask[10:80, 40:100] > 0)
+    # What is exported are the pictures as they were analyzed.
+    status, _, error = softbed("export", photographs, "--format", "flo")
+    assert status == 0, error
+    found = list((photographs.parent / "rig-softbed" / "flo").rglob("*.flo"))
+    assert [read_flo(path).shape for path in found] == [(70, 60, 2)]
 
 
 def test_video(softbed, photographs):

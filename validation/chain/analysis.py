@@ -64,7 +64,7 @@ def analyze(
             "pictures": material.digest,
             "soil": settings.soil.kind,
             "vertical": settings.camera.vertical,
-            "settings": settings.to_dict(),
+            "settings": settings.rooted().to_dict(),
             "camera_speed": travel,
         }
     shutil.rmtree(kept, ignore_errors=True)

@@ -15,7 +15,7 @@ from validation.terminal import Terminal
 def opened_material(path: Path, out: Path | None, settings: Any = None) -> Iterator[tuple[Any, Any]]:
     """Open the folder that results go to, and the pictures, as settings say if there are any."""
     from validation import chain
-    from validation.material import Material, results_folder
+    from validation.material import TRUTH_FILE, Material, results_folder
     from validation.run_folder import RunFolder, is_run_folder
 
     chosen = results_folder(path, out)
@@ -31,9 +31,24 @@ def opened_material(path: Path, out: Path | None, settings: Any = None) -> Itera
             with RunFolder.create(chosen) as results:
                 yield results, material
         return
+    if settings is None and not (path / TRUTH_FILE).is_file():
+        settings = _settings_of_last_analysis(chosen)
     material = Material.open(path, settings)
     with RunFolder.create(chosen) as results:
         yield results, material
+
+
+def _settings_of_last_analysis(folder: Path) -> Any:
+    """How pictures were last analyzed into a folder, so that its results are of these pictures; else None."""
+    from soft import AnalysisSettings
+    from validation.manifest import Manifest
+    from validation.run_folder import is_run_folder
+
+    if not is_run_folder(folder):
+        return None
+    records = [record for step, record in Manifest.read(folder).steps.items() if step.startswith("analyze ")]
+    told = [record.facts["settings"] for record in records if "settings" in record.facts]
+    return AnalysisSettings.checked(told[-1], name=f"{folder}: settings") if told else None
 
 
 def _refuse_scale(path: Path, settings: Any) -> None:
