@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import map_coordinates
 
-from soft import ImageSequence
+from soft import ImageSequence, analyze
 from soft.calibration import CalibrationError, CharucoBoard, Chessboard, Lens, calibrate_lens
 
 from .conftest import DISTORTION, MATRIX, POSES, SHAPE
@@ -161,3 +161,31 @@ def test_too_few_views_and_other_sizes():
         calibrate_lens([(str(k), blank) for k in range(4)], CHESSBOARD)
     with pytest.raises(CalibrationError, match=r"b\.png: 480 x 300 px, but the first picture has 480 x 360"):
         calibrate_lens([("a.png", blank), ("b.png", blank[:300])], CHESSBOARD)
+
+
+def test_what_moves_as_one_moves_as_one_without_distortion(true_lens, photographer):
+    """A flat texture shifted by 2 mm and -1 mm: the same displacement everywhere, as a pinhole sees it."""
+    rng = np.random.default_rng(4)
+    angle, phase = rng.uniform(0, 2 * np.pi, (2, 60))
+    number = 2 * np.pi / rng.uniform(0.006, 0.02, 60)
+
+    def paint(x, y):
+        return 128 + sum(
+            6 * np.cos(n * (np.cos(a) * x + np.sin(a) * y) + p)
+            for n, a, p in zip(number, angle, phase, strict=True)
+        )
+
+    pose = ((0.0, 0.0, 0.0), (0.0, 0.0, 0.42))
+    pictures = [
+        np.clip(photographer.picture(lambda x, y, s=s: paint(x - 0.002 * s, y + 0.001 * s), pose), 0, 255)
+        for s in (0, 1)
+    ]
+    sequence = ImageSequence.from_arrays(pictures)
+    expected = np.array([MATRIX[0, 0] * 0.002, -MATRIX[1, 1] * 0.001]) / 0.42
+    off = []
+    for seen in (sequence, sequence.resample(true_lens.undistortion())):
+        flow = analyze(seen, method="farneback", soil="all").isel(pair=0, y=slice(15, -15), x=slice(15, -15))
+        off.append(np.hypot(flow["u"] - expected[0], flow["v"] - expected[1]).values)
+    assert np.nanpercentile(off[0], 95) > 0.3, "as taken, the edges of the picture move less"
+    assert np.nanpercentile(off[1], 95) < 0.06
+    assert np.isfinite(off[1]).mean() > 0.9
