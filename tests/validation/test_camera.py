@@ -9,8 +9,15 @@ def pairs(**values):
     return xr.Dataset({name: ("pair", np.array(v, float)) for name, v in values.items()})
 
 
+def truth_of(camera_u, soil_u):
+    """Soil of 40 x 40 px that moves by `soil_u` px in each pair."""
+    u = np.broadcast_to(np.array(soil_u, np.float32)[:, None, None], (len(soil_u), 40, 40))
+    arrays = {"u": u, "v": 0 * u, "soil": np.isfinite(u), "valid": np.isfinite(u)}
+    return pairs(camera_u=camera_u).assign({name: (("pair", "y", "x"), a) for name, a in arrays.items()})
+
+
 def test_error_is_measured_less_true():
-    truth = pairs(camera_u=[-7.0, -7.4, -7.2, -7.2])
+    truth = truth_of([-7.0, -7.4, -7.2, -7.2], [-7.0, -7.35, -7.1, -7.2])
     flow = pairs(
         camera_u=[-6.9, -7.3, -7.1, np.nan],
         camera_u_low=[-7.05, -7.35, np.nan, np.nan],
@@ -24,13 +31,15 @@ def test_error_is_measured_less_true():
     assert score.measured_range_u == pytest.approx(1.96 * 0.2)
     assert score.true_range_u == pytest.approx(1.96 * 0.2)
     assert score.covered == 0.5
-    assert "off by +0.100 ± 0.000 px (95 % of 3 pairs)" in str(score)
+    assert score.soil_range_u == pytest.approx(1.96 * 0.05, rel=1e-4)
+    assert score.flow_range_u == pytest.approx(1.96 * 0.05, rel=1e-4)
+    assert "off by +0.100 ± 0.000 px (95 % of 3 pairs: flow ± 0.098, soil that does not rest" in str(score)
     assert CameraScore(**score.to_dict()) == score
 
 
 def test_nothing_to_tell():
     assert score_camera(pairs(camera_u=[1.0]), pairs(u=[1.0])) is None
-    score = score_camera(pairs(camera_u=[np.nan]), pairs(camera_u=[1.0]))
+    score = score_camera(pairs(camera_u=[np.nan]), truth_of([1.0], [1.0]))
     assert (score.pair_count, score.bias_u, score.covered) == (0, None, None)
     assert str(score) == "not measured"
-    assert "1 pair" in str(score_camera(pairs(camera_u=[1.5]), pairs(camera_u=[1.0])))
+    assert "1 pair" in str(score_camera(pairs(camera_u=[1.5]), truth_of([1.0], [1.0])))
