@@ -98,7 +98,7 @@ class Scores:
 def _method_from(table: dict[str, Any]) -> MethodScore:
     strata = {name: ErrorSummary(**summary) for name, summary in table["strata"].items()}
     camera = CameraScore(**table["camera"]) if "camera" in table else None
-    return MethodScore(table["seconds_per_pair"], strata, camera)
+    return MethodScore(table["seconds_per_pair"], strata, camera=camera)
 
 
 def score_flows(

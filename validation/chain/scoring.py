@@ -85,7 +85,9 @@ def _write_scores(
     finally:
         for flow in flows.values():
             flow.close()
-    results = {name: MethodScore(seconds[name], strata, cameras[name]) for name, strata in summaries.items()}
+    results = {
+        name: MethodScore(seconds[name], strata, camera=cameras[name]) for name, strata in summaries.items()
+    }
     with run.writing("score", key) as draft:
         Scores(labels.scene, labels.seed, labels.quick, results, package_versions()).write(
             draft.folder / run.scores.name
