@@ -16,6 +16,8 @@ if TYPE_CHECKING:
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
     from soft.settings import AnalysisSettings, SettingsError, write_settings
+    from soft.sequence import ImageSequence, SequenceError
+    from soft.shear_interface import ShearInterface, shear_interface_of, write_interface
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
     from soft.travel import CameraSpeed, camera_speed
     from soft.velocity import to_polar, to_velocity
@@ -33,6 +35,7 @@ _HOMES = {
     "Region": "soft.sequence",
     "SequenceError": "soft.sequence",
     "SettingsError": "soft.settings",
+    "ShearInterface": "soft.shear_interface",
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
     "analyze": "soft.analysis",
@@ -46,6 +49,7 @@ _HOMES = {
     "read_flo": "soft.flow",
     "read_kitti": "soft.flow",
     "read_soil_flow": "soft.soilflow",
+    "shear_interface_of": "soft.shear_interface",
     "soil_mask": "soft.segmentation",
     "speed_figure": "soft.figures",
     "to_inertial": "soft.inertial",
@@ -53,6 +57,7 @@ _HOMES = {
     "to_velocity": "soft.velocity",
     "write_figures": "soft.figures",
     "write_flo": "soft.flow",
+    "write_interface": "soft.shear_interface",
     "write_kitti": "soft.flow",
     "write_settings": "soft.settings",
 }
@@ -70,6 +75,7 @@ __all__ = [
     "Region",
     "SequenceError",
     "SettingsError",
+    "ShearInterface",
     "SoilFlowError",
     "SoilRegion",
     "analyze",
@@ -83,6 +89,7 @@ __all__ = [
     "read_flo",
     "read_kitti",
     "read_soil_flow",
+    "shear_interface_of",
     "soil_mask",
     "speed_figure",
     "to_inertial",
@@ -90,6 +97,7 @@ __all__ = [
     "to_velocity",
     "write_figures",
     "write_flo",
+    "write_interface",
     "write_kitti",
     "write_settings",
 ]

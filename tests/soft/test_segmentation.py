@@ -4,7 +4,7 @@ import pytest
 
 from soft import moving_mask, soil_mask
 from soft.illumination import flatten_illumination
-from soft.segmentation import largest_region, two_means
+from soft.segmentation import coherence, largest_region, two_means
 
 SHAPE = (300, 500)
 
@@ -138,6 +138,59 @@ class TestMoving:
         region = moving_mask(speed, np.ones(SHAPE, bool))
         assert not region.found
         assert "scattered" in region.remark
+
+    @pytest.mark.parametrize("correlation", [0, 2, 5, 8])
+    def test_pure_noise_is_no_mass_however_large(self, correlation):
+        u, v = np.random.default_rng(7).normal(size=(2, *SHAPE))
+        if correlation:
+            u, v = (cv2.GaussianBlur(noise, (0, 0), correlation) for noise in (u, v))
+        region = moving_mask(2 * np.hypot(u, v) / u.std(), np.ones(SHAPE, bool))
+        assert not region.found and not region.mask.any() and np.isnan(region.threshold)
+        assert "scattered" in region.remark
+
+    def test_everything_moves_alike(self):
+        region = moving_mask(5.0 + self.speeds(0.0), np.ones(SHAPE, bool))
+        assert not region.found
+        assert "speeds differ by" in region.remark
+
+    def test_two_speeds_and_the_line_between(self):
+        region = moving_mask(self.speeds(4.0), np.ones(SHAPE, bool))
+        assert region.threshold == pytest.approx(2.0, abs=0.1)
+        assert "all speeds between" not in region.remark
+
+    def test_speeds_that_fall_off_gradually_are_said_to(self):
+        y, x = np.mgrid[: SHAPE[0], : SHAPE[1]]
+        region = moving_mask(np.clip(4 - np.hypot(x - 250, y - 120) / 40, 0, None), np.ones(SHAPE, bool))
+        assert region.found
+        assert (
+            f"all speeds between: the line is where the speed is {region.threshold:.2f} px" in region.remark
+        )
+
+    def test_a_few_wild_vectors_do_not_hide_the_mass(self):
+        speed = self.speeds(1.5)
+        speed[200:204, 20:50] = 60.0
+        region = moving_mask(speed, np.ones(SHAPE, bool))
+        assert region.found
+        assert iou(region.mask, disc((250, 120), 70)) > 0.97
+        assert "set aside" in region.remark
+        assert not moving_mask(np.where(speed > 50, speed, 0.1), np.ones(SHAPE, bool)).found
+
+    def test_a_mean_shows_what_a_pair_does_not(self):
+        speed = self.speeds(0.3, noise=0.01)
+        assert not moving_mask(speed, np.ones(SHAPE, bool)).found
+        region = moving_mask(speed, np.ones(SHAPE, bool), least_step=0.1)
+        assert iou(region.mask, disc((250, 120), 70)) > 0.97
+
+    def test_coherence(self):
+        everywhere = np.ones(SHAPE, bool)
+        half = np.zeros(SHAPE, bool)
+        half[:, 250:] = True
+        # Of the columns 10 px apart, 10 of 490 pairs have just one end in the fast half.
+        across = 1 - (0.5 * 10 / 245) / 0.5
+        assert coherence(half, everywhere, 10) == pytest.approx((across + 1) / 2, abs=0.01)
+        assert coherence(everywhere, everywhere, 10) == 1.0
+        chance = np.random.default_rng(0).uniform(size=SHAPE) < 0.3
+        assert coherence(chance, everywhere, 10) == pytest.approx(0.0, abs=0.02)
 
     def test_no_soil_and_nothing_measured(self):
         assert not moving_mask(self.speeds(4.0), np.zeros(SHAPE, bool)).found
