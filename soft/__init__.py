@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from soft.analysis import analyze
     from soft.calibration import CalibrationError
+    from soft.cross_validation import CrossValidation, cross_validate
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
     from soft.inertial import InertialMotion, to_inertial
@@ -26,6 +27,7 @@ _HOMES = {
     "AnalysisSettings": "soft.settings",
     "CalibrationError": "soft.calibration",
     "CameraSpeed": "soft.travel",
+    "CrossValidation": "soft.cross_validation",
     "FlowError": "soft.flow",
     "FlowField": "soft.flow",
     "ImageSequence": "soft.sequence",
@@ -41,6 +43,7 @@ _HOMES = {
     "analyze": "soft.analysis",
     "camera_speed": "soft.travel",
     "check_soil_flow": "soft.soilflow",
+    "cross_validate": "soft.cross_validation",
     "direction_figure": "soft.figures",
     "estimate_flow": "soft.flow",
     "moving_mask": "soft.segmentation",
@@ -66,6 +69,7 @@ __all__ = [
     "AnalysisSettings",
     "CalibrationError",
     "CameraSpeed",
+    "CrossValidation",
     "FlowError",
     "FlowField",
     "ImageSequence",
@@ -81,6 +85,7 @@ __all__ = [
     "analyze",
     "camera_speed",
     "check_soil_flow",
+    "cross_validate",
     "direction_figure",
     "estimate_flow",
     "moving_mask",
