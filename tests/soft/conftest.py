@@ -81,3 +81,30 @@ def picture_folder(tmp_path, moved):
         _, picture, _ = moved(shift=(1.5 * k, -0.75 * k))
         cv2.imwrite(str(tmp_path / f"shot{9 + k}.png"), np.rint(picture).astype(np.uint8))
     return tmp_path
+
+
+@pytest.fixture
+def soil_flow():
+    """A SoilFlow of these inertial displacements (P, H, W) in px, the camera at rest, 8 frames a second."""
+    from soft.soilflow import SCHEMA_VERSION
+    from soft.soilflow_writer import MemoryWriter
+
+    def make(u, v, *, valid=None, soil=None, moving=None):
+        sizes = dict(zip(("pair", "y", "x"), np.shape(u), strict=True))
+        writer = MemoryWriter(sizes, calibrated=False, gridded=False, timed=True)
+        everywhere = np.ones(np.shape(u), bool)
+        valid, soil, moving = (everywhere if m is None else m for m in (valid, soil, moving))
+        for k in range(len(u)):
+            known = np.where(valid[k], np.float32(0), np.float32(np.nan))
+            values = {"valid": valid[k], "soil": soil[k], "moving": moving[k], "camera_u": 0, "camera_v": 0}
+            values |= {"u": u[k] + known, "v": v[k] + known, "first_frame": k, "second_frame": k + 1}
+            values |= {"inertial_u": values["u"], "inertial_v": values["v"], "time": k / 8}
+            writer.put(k, values)
+        return writer.finish(
+            {
+                "schema_version": SCHEMA_VERSION, "method": "made by hand", "options": "{}", "versions": "{}",
+                "frame_rate": 8.0, "metres_per_pixel": 2e-4,
+            }
+        )  # fmt: skip
+
+    return make
