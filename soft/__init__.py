@@ -12,8 +12,11 @@ if TYPE_CHECKING:
     from soft.averaging import MeanFlow, average_flow
     from soft.averaging_gain import AveragingGain
     from soft.cross_validation import CrossValidation, cross_validate
+    from soft.deformation import Deformation, deformation_of
+    from soft.direction_filter import direction_of, significant_direction
     from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
     from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
+    from soft.gradient import displacement_gradient
     from soft.inertial import InertialMotion, to_inertial
     from soft.opening import open_sequence
     from soft.phase_lock import PhaseLockedFlow, grouser_phase, phase_locked_average, wheel_angle_of
@@ -22,8 +25,21 @@ if TYPE_CHECKING:
     from soft.settings import AnalysisSettings, SettingsError, write_settings
     from soft.sequence import ImageSequence, SequenceError
     from soft.shear_interface import ShearInterface, shear_interface_of, write_interface
+    from soft.soil_motion import (
+        DirectionStatistics,
+        FailureDepth,
+        Flux,
+        ThrustShares,
+        VelocityProfile,
+        direction_statistics,
+        failure_depth,
+        forward_flux,
+        thrust_shares,
+        velocity_profile,
+    )
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
     from soft.travel import CameraSpeed, camera_speed
+    from soft.streamlines import Streamlines, trace_streamlines
     from soft.velocity import to_polar, to_velocity
 
 _HOMES = {
@@ -32,8 +48,12 @@ _HOMES = {
     "CameraSpeed": "soft.travel",
     "AveragingGain": "soft.averaging_gain",
     "CrossValidation": "soft.cross_validation",
+    "Deformation": "soft.deformation",
+    "DirectionStatistics": "soft.soil_motion",
+    "FailureDepth": "soft.soil_motion",
     "FlowError": "soft.flow",
     "FlowField": "soft.flow",
+    "Flux": "soft.soil_motion",
     "ImageSequence": "soft.sequence",
     "InertialMotion": "soft.inertial",
     "MeanFlow": "soft.averaging",
@@ -46,13 +66,22 @@ _HOMES = {
     "ShearInterface": "soft.shear_interface",
     "SoilFlowError": "soft.soilflow",
     "SoilRegion": "soft.segmentation",
+    "Streamlines": "soft.streamlines",
+    "ThrustShares": "soft.soil_motion",
+    "VelocityProfile": "soft.soil_motion",
     "analyze": "soft.analysis",
     "camera_speed": "soft.travel",
     "average_flow": "soft.averaging",
     "check_soil_flow": "soft.soilflow",
     "cross_validate": "soft.cross_validation",
+    "deformation_of": "soft.deformation",
     "direction_figure": "soft.figures",
+    "direction_of": "soft.direction_filter",
+    "direction_statistics": "soft.soil_motion",
+    "displacement_gradient": "soft.gradient",
     "estimate_flow": "soft.flow",
+    "failure_depth": "soft.soil_motion",
+    "forward_flux": "soft.soil_motion",
     "grouser_phase": "soft.phase_lock",
     "moving_mask": "soft.segmentation",
     "open_sequence": "soft.opening",
@@ -62,11 +91,15 @@ _HOMES = {
     "read_kitti": "soft.flow",
     "read_soil_flow": "soft.soilflow",
     "shear_interface_of": "soft.shear_interface",
+    "significant_direction": "soft.direction_filter",
     "soil_mask": "soft.segmentation",
     "speed_figure": "soft.figures",
+    "thrust_shares": "soft.soil_motion",
     "to_inertial": "soft.inertial",
     "to_polar": "soft.velocity",
     "to_velocity": "soft.velocity",
+    "trace_streamlines": "soft.streamlines",
+    "velocity_profile": "soft.soil_motion",
     "wheel_angle_of": "soft.phase_lock",
     "write_figures": "soft.figures",
     "write_flo": "soft.flow",
@@ -81,8 +114,12 @@ __all__ = [
     "CameraSpeed",
     "AveragingGain",
     "CrossValidation",
+    "Deformation",
+    "DirectionStatistics",
+    "FailureDepth",
     "FlowError",
     "FlowField",
+    "Flux",
     "ImageSequence",
     "InertialMotion",
     "MeanFlow",
@@ -95,13 +132,22 @@ __all__ = [
     "ShearInterface",
     "SoilFlowError",
     "SoilRegion",
+    "Streamlines",
+    "ThrustShares",
+    "VelocityProfile",
     "analyze",
     "camera_speed",
     "average_flow",
     "check_soil_flow",
     "cross_validate",
+    "deformation_of",
     "direction_figure",
+    "direction_of",
+    "direction_statistics",
+    "displacement_gradient",
     "estimate_flow",
+    "failure_depth",
+    "forward_flux",
     "grouser_phase",
     "moving_mask",
     "open_sequence",
@@ -111,11 +157,15 @@ __all__ = [
     "read_kitti",
     "read_soil_flow",
     "shear_interface_of",
+    "significant_direction",
     "soil_mask",
     "speed_figure",
+    "thrust_shares",
     "to_inertial",
     "to_polar",
     "to_velocity",
+    "trace_streamlines",
+    "velocity_profile",
     "wheel_angle_of",
     "write_figures",
     "write_flo",

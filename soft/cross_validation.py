@@ -160,7 +160,7 @@ def _features(
     import cv2
 
     grey = np.clip(np.rint(picture), 0, 255).astype(np.uint8)
-    keypoints, descriptors = cv2.SIFT_create(nfeatures=feature_count).detectAndCompute(grey, None)
+    keypoints, descriptors = cv2.SIFT.create(nfeatures=feature_count).detectAndCompute(grey, None)
     if not keypoints:
         return np.empty((0, 2)), np.empty((0, 128), np.float32)
     places = np.array([point.pt for point in keypoints], np.float64)
