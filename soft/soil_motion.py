@@ -150,7 +150,8 @@ def velocity_profile(
     strip = np.where(known[:, :, None], displacement, np.nan)[y][:, inside].astype(np.float64)
     count = known[y][:, inside].sum(axis=1)
     mean, spread = _row_statistics(strip, count)
-    return VelocityProfile((y - rows[0]).astype(np.float64), y, *mean.T, *spread.T, count)
+    (u, v), (spread_u, spread_v) = mean.T, spread.T
+    return VelocityProfile((y - rows[0]).astype(np.float64), y, u, v, spread_u, spread_v, count)
 
 
 def _row_statistics(strip: np.ndarray, count: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

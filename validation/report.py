@@ -22,7 +22,7 @@ from validation.page import Panel, write_page
 from validation.pair_view import PairView, view_pair
 from validation.published import Published, read_published
 from validation.score import Scores
-from validation.score_table import cells, is_published_rotation, number
+from validation.score_table import REGION_COLUMNS, cells, is_published_rotation, number, region_cells
 from validation.strata import MEANINGS
 from validation.versions import machine, package_version, package_versions
 
@@ -75,6 +75,8 @@ def _content(run: "RunFolder", material: "Material", methods: "Sequence[Method]"
         "bounds": WRONG_ABOVE,
         "published": _published_rows(published),
         "methods": _method_pages(scores, view, published),
+        "region_columns": REGION_COLUMNS,
+        "regions": _region_rows(scores),
         "pair": view.pair,
         "truth_panels": _truth_panels(view),
         "forces": _forces_panel(run, material, view.pair),
@@ -140,6 +142,14 @@ def _method_pages(scores: Scores, view: PairView, published: Mapping[str, Publis
         )
         for name, method in scores.methods.items()
     ]
+
+
+def _region_rows(scores: Scores) -> dict[str, list[str]]:
+    return {
+        name: region_cells(method.regions)
+        for name, method in scores.methods.items()
+        if method.regions is not None
+    }
 
 
 def _sentence(scores: Scores, name: str) -> str:

@@ -11,6 +11,7 @@ import numpy as np
 from validation.camera import CameraScore
 from validation.metrics import ErrorSummary, ErrorTally
 from validation.nodes import difference_at, has_node, stacked
+from validation.regions import RegionScore
 from validation.strata import STRATA, find_strata
 
 if TYPE_CHECKING:
@@ -37,17 +38,23 @@ class MethodScore:
         An `ErrorSummary` for every name of `STRATA`.
     camera : CameraScore or None
         How well the camera's motion was found.
+    regions : RegionScore or None
+        How well soil, its moving part and the shear interface were found; None if the method tells no masks.
     """
 
     seconds_per_pair: float | None
     strata: dict[str, ErrorSummary]
     camera: CameraScore | None = None
+    regions: RegionScore | None = None
 
     def to_dict(self) -> dict[str, Any]:
-        """As it stands in scores.json; without a camera whose motion is not known."""
-        strata = {stratum: summary.to_dict() for stratum, summary in self.strata.items()}
-        camera = {} if self.camera is None else {"camera": self.camera.to_dict()}
-        return {"seconds_per_pair": self.seconds_per_pair, "strata": strata, **camera}
+        """As it stands in scores.json; without what is not known."""
+        table: dict[str, Any] = {"seconds_per_pair": self.seconds_per_pair}
+        if self.camera is not None:
+            table["camera"] = self.camera.to_dict()
+        if self.regions is not None:
+            table |= self.regions.to_dict()
+        return table | {"strata": {name: summary.to_dict() for name, summary in self.strata.items()}}
 
 
 @dataclass(frozen=True)
@@ -98,7 +105,8 @@ class Scores:
 def _method_from(table: dict[str, Any]) -> MethodScore:
     strata = {name: ErrorSummary(**summary) for name, summary in table["strata"].items()}
     camera = CameraScore(**table["camera"]) if "camera" in table else None
-    return MethodScore(table["seconds_per_pair"], strata, camera=camera)
+    regions = RegionScore.from_dict(table)
+    return MethodScore(table["seconds_per_pair"], strata, camera=camera, regions=regions)
 
 
 def score_flows(

@@ -9,10 +9,21 @@ if TYPE_CHECKING:
     from rich.table import Table
 
     from validation.metrics import ErrorSummary
+    from validation.regions import RegionScore
     from validation.run_folder import RunFolder
     from validation.score import Scores
 
 ROTATION = "plate_rotation"
+REGION_COLUMNS = (
+    "soil IoU",
+    "moving IoU",
+    "interface in pairs",
+    "to the true one px",
+    "both ways px",
+    "from greatest shear px",
+    "true one from it px",
+)
+"""The last four hold mean and 95 %."""
 
 
 def score_table(scores: "Scores") -> "Table":
@@ -42,6 +53,44 @@ def camera_lines(scores: "Scores") -> list[str]:
     """Say how well each method found the camera's motion, one line each."""
     told = [(name, method.camera) for name, method in scores.methods.items() if method.camera is not None]
     return [f"camera, {name}: {camera}" for name, camera in told]
+
+
+def region_table(scores: "Scores") -> "Table | None":
+    """One line for each method whose regions were scored; None if there is none."""
+    from rich.table import Table
+
+    scored = {name: method.regions for name, method in scores.methods.items() if method.regions is not None}
+    if not scored:
+        return None
+    table = Table(title="soil, moving region, shear interface", title_justify="left")
+    table.add_column("method", overflow="fold")
+    for column in REGION_COLUMNS:
+        table.add_column(column, justify="right")
+    for name, regions in scored.items():
+        table.add_row(name, *region_cells(regions))
+    return table
+
+
+def region_cells(regions: "RegionScore") -> list[str]:
+    """What stands in the columns of `REGION_COLUMNS`."""
+    seen = regions.interface_pair_count + regions.interface_missed_count
+    found = f"{regions.interface_pair_count} of {seen}" if seen else "none to find"
+    if regions.interface_false_count:
+        found += f", {regions.interface_false_count} false"
+    return [
+        number(regions.soil_iou, ".4f"),
+        number(regions.moving_iou, ".3f"),
+        found,
+        *(
+            f"{number(mean, '.1f')} / {number(p95, '.1f')}"
+            for mean, p95 in (
+                (regions.interface_mean, regions.interface_p95),
+                (regions.interface_symmetric_mean, regions.interface_symmetric_p95),
+                (regions.shear_line_mean, regions.shear_line_p95),
+                (regions.shear_line_true_mean, regions.shear_line_true_p95),
+            )
+        ),
+    ]
 
 
 def cells(summary: "ErrorSummary") -> list[str]:

@@ -8,6 +8,7 @@ from validation.chain.step import made_by, skips
 from validation.manifest import file_digest, key_of
 from validation.material import Material
 from validation.methods import Method
+from validation.regions import score_regions
 from validation.run_folder import RunFolder
 from validation.score import MethodScore, ScoreError, Scores, score_flows
 from validation.terminal import Terminal
@@ -81,12 +82,14 @@ def _write_scores(
         with synth.Footage.open(material.folder) as footage, terminal.progress("score") as progress:
             summaries = score_flows(footage, flows, progress=progress)
             cameras = {name: score_camera(flow, footage.truths) for name, flow in flows.items()}
+            regions = score_regions(footage, flows)
         seconds = {m.name: _seconds_per_pair(m, flows[m.name]) for m in methods}
     finally:
         for flow in flows.values():
             flow.close()
     results = {
-        name: MethodScore(seconds[name], strata, camera=cameras[name]) for name, strata in summaries.items()
+        name: MethodScore(seconds[name], strata, camera=cameras[name], regions=regions[name])
+        for name, strata in summaries.items()
     }
     with run.writing("score", key) as draft:
         Scores(labels.scene, labels.seed, labels.quick, results, package_versions()).write(

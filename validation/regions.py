@@ -1,0 +1,210 @@
+"""How well soil, its moving part and the line between moving and resting soil are found.
+
+Distances of the shear interface are told two ways. To the interface that the same clustering finds in the
+true speeds: what remains is the measurement's doing. And to the line of greatest true shear rate: what the
+clustering itself is off by, when its line is taken for the place where soil shears.
+"""
+
+from collections.abc import Callable, Mapping
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from validation.line_distance import distances, points_along
+from validation.shear_line import shear_line
+from validation.strata import find_strata
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from synth import Footage
+
+_NEEDED_OF_FLOW = ("inertial_u", "inertial_v", "valid", "soil", "moving")
+
+
+@dataclass(frozen=True)
+class RegionScore:
+    """Over all picture pairs; None where there is nothing to tell.
+
+    Attributes
+    ----------
+    soil_iou : float or None
+        Pixels that are soil by both truth and measurement over those that are by either.
+    moving_iou : float or None
+        The same of the moving region, in truth as clustered from the true speeds.
+    interface_pair_count : int
+        Pairs in which truth and measurement both have a shear interface: distances are of these.
+    interface_missed_count, interface_false_count : int
+        Pairs in which only the truth has one, only the measurement.
+    interface_mean, interface_p95 : float or None
+        Distance from points of the measured interface to the true one, px.
+    interface_symmetric_mean, interface_symmetric_p95 : float or None
+        The same with the distances from the true to the measured one put with them, px.
+    shear_line_mean, shear_line_p95 : float or None
+        Distance from the line of greatest true shear rate to the measured interface, px.
+    shear_line_true_mean, shear_line_true_p95 : float or None
+        From the same line to the true interface, px: what no measurement could better.
+    """
+
+    soil_iou: float | None
+    moving_iou: float | None
+    interface_pair_count: int
+    interface_missed_count: int
+    interface_false_count: int
+    interface_mean: float | None
+    interface_p95: float | None
+    interface_symmetric_mean: float | None
+    interface_symmetric_p95: float | None
+    shear_line_mean: float | None
+    shear_line_p95: float | None
+    shear_line_true_mean: float | None
+    shear_line_true_p95: float | None
+
+    def to_dict(self) -> dict[str, Any]:
+        """As it stands in scores.json, beside the method's other numbers."""
+        return asdict(self)
+
+    @classmethod
+    def from_dict(cls, table: Mapping[str, Any]) -> "RegionScore | None":
+        """Read it from a method's numbers; None where they have none of it."""
+        names = cls.__dataclass_fields__
+        return cls(**{name: table[name] for name in names}) if "soil_iou" in table else None
+
+
+@dataclass(frozen=True, eq=False)
+class TrueRegions:
+    """What is true of one picture pair.
+
+    Attributes
+    ----------
+    soil, moving : (H, W) bool
+        Soil, and the moving region as clustered from the true inertial speeds.
+    interface, shear_line : (N, 2) float64
+        Points x, y in px of the shear interface, at even steps, and of the line of greatest shear rate.
+    """
+
+    soil: np.ndarray
+    moving: np.ndarray
+    interface: np.ndarray
+    shear_line: np.ndarray
+
+
+@dataclass
+class _Tally:
+    """Sums and distances of one method."""
+
+    soil: np.ndarray = field(default_factory=lambda: np.zeros(2, np.int64))
+    moving: np.ndarray = field(default_factory=lambda: np.zeros(2, np.int64))
+    counts: dict[str, int] = field(default_factory=lambda: {"both": 0, "missed": 0, "false": 0})
+    to_true: list[np.ndarray] = field(default_factory=list)
+    from_true: list[np.ndarray] = field(default_factory=list)
+    to_shear: list[np.ndarray] = field(default_factory=list)
+    to_shear_true: list[np.ndarray] = field(default_factory=list)
+
+    def add(self, true: TrueRegions, flow: "xr.Dataset") -> None:
+        """Add one pair of a SoilFlow."""
+        soil = flow["soil"].values.astype(bool)
+        self.soil += [(soil & true.soil).sum(), (soil | true.soil).sum()]
+        if "node_x" in flow:  # between a grid's nodes there is no boundary to find
+            return
+        moving = flow["moving"].values.astype(bool)
+        self.moving += [(moving & true.moving).sum(), (moving | true.moving).sum()]
+        self._add_interface(true, _measured_interface(flow))
+
+    def _add_interface(self, true: TrueRegions, found: np.ndarray) -> None:
+        if len(found) and len(true.interface):
+            self.counts["both"] += 1
+            self.to_true.append(distances(found, true.interface))
+            self.from_true.append(distances(true.interface, found))
+            self.to_shear.append(distances(true.shear_line, found))
+            self.to_shear_true.append(distances(true.shear_line, true.interface))
+        elif len(true.interface):
+            self.counts["missed"] += 1
+        elif len(found):
+            self.counts["false"] += 1
+
+    def result(self) -> RegionScore:
+        one_way, shear, shear_true = (
+            _mean_and_p95(parts) for parts in (self.to_true, self.to_shear, self.to_shear_true)
+        )
+        both_ways = _mean_and_p95(self.to_true + self.from_true)
+        return RegionScore(
+            _ratio(self.soil),
+            _ratio(self.moving),
+            *self.counts.values(),
+            *one_way,
+            *both_ways,
+            *shear,
+            *shear_true,
+        )
+
+
+def score_regions(
+    footage: "Footage",
+    flows: Mapping[str, "xr.Dataset"],
+    *,
+    progress: Callable[[int, int], None] | None = None,
+) -> dict[str, RegionScore | None]:
+    """Score every method's soil mask, moving region and shear interface, over all picture pairs.
+
+    Parameters
+    ----------
+    footage : synth.Footage
+        Pictures and truth.
+    flows : mapping
+        A SoilFlow of these pictures for each method's name. One without masks gets None.
+    progress : callable, optional
+        Called with pairs done and pairs in all.
+    """
+    tallies = {name: _Tally() for name, flow in flows.items() if set(_NEEDED_OF_FLOW) <= set(flow.data_vars)}
+    for pair in range(footage.pair_count):
+        true = true_regions(footage.truth(pair).load())
+        for name, tally in tallies.items():
+            tally.add(true, flows[name].isel(pair=pair).load())
+        if progress:
+            progress(pair + 1, footage.pair_count)
+    return {name: tallies[name].result() if name in tallies else None for name in flows}
+
+
+def true_regions(truth: "xr.Dataset") -> TrueRegions:
+    """Find regions and lines of one picture pair in its truth.
+
+    Parameters
+    ----------
+    truth : xarray.Dataset
+        Over `y, x`, as of `synth.Footage.truth`.
+    """
+    from soft import moving_mask
+    from soft.shear_interface import shear_interface
+
+    soil = truth["soil"].values.astype(bool)
+    strata = find_strata(truth)
+    camera_v = float(truth["camera_v"]) if "camera_v" in truth else 0.0
+    speed = np.hypot(truth["u"].values - strata.camera_u, truth["v"].values - camera_v)
+    speed = np.where(strata.masks["all"], speed, np.nan)
+    region = moving_mask(speed, soil)
+    interface = shear_interface(speed, region.mask, threshold=region.threshold, soil=soil)
+    shears = region.found and "strain_rate" in truth
+    crest = shear_line(truth["strain_rate"].values, soil) if shears else np.empty((0, 2))
+    return TrueRegions(soil, region.mask, points_along(interface.lines), crest)
+
+
+def _measured_interface(flow: "xr.Dataset") -> np.ndarray:
+    """Points of the interface of one pair: where `moving` is empty, there is none."""
+    from soft import shear_interface_of
+
+    if not flow["moving"].values.any():
+        return np.empty((0, 2))
+    return points_along(shear_interface_of(flow.expand_dims("pair")).lines)
+
+
+def _ratio(sums: np.ndarray) -> float | None:
+    return float(sums[0] / sums[1]) if sums[1] else None
+
+
+def _mean_and_p95(parts: list[np.ndarray]) -> tuple[float | None, float | None]:
+    values = np.concatenate(parts) if parts else np.empty(0)
+    if not values.size:
+        return None, None
+    return float(values.mean()), float(np.percentile(values, 95))
