@@ -125,18 +125,24 @@ class _Tally:
             self.counts["false"] += 1
 
     def result(self) -> RegionScore:
-        one_way, shear, shear_true = (
-            _mean_and_p95(parts) for parts in (self.to_true, self.to_shear, self.to_shear_true)
+        one_way, both_ways, shear, shear_true = (
+            _mean_and_p95(parts)
+            for parts in (self.to_true, self.to_true + self.from_true, self.to_shear, self.to_shear_true)
         )
-        both_ways = _mean_and_p95(self.to_true + self.from_true)
         return RegionScore(
-            _ratio(self.soil),
-            _ratio(self.moving),
-            *self.counts.values(),
-            *one_way,
-            *both_ways,
-            *shear,
-            *shear_true,
+            soil_iou=_ratio(self.soil),
+            moving_iou=_ratio(self.moving),
+            interface_pair_count=self.counts["both"],
+            interface_missed_count=self.counts["missed"],
+            interface_false_count=self.counts["false"],
+            interface_mean=one_way[0],
+            interface_p95=one_way[1],
+            interface_symmetric_mean=both_ways[0],
+            interface_symmetric_p95=both_ways[1],
+            shear_line_mean=shear[0],
+            shear_line_p95=shear[1],
+            shear_line_true_mean=shear_true[0],
+            shear_line_true_p95=shear_true[1],
         )
 
 
