@@ -162,6 +162,9 @@ def _sentence(scores: Scores, name: str) -> str:
     text += f"95 % within {everything.p95:.2f} px"
     if complicated.median is not None and complicated.p95 is not None:
         text += f"; in complex regions {complicated.median:.2f} px and {complicated.p95:.2f} px"
+    averaging = scores.methods[name].averaging
+    if averaging is not None and averaging.sentence:
+        text += f"; {averaging.sentence}"
     return text
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from validation.averaging import AveragingScore
 from validation.camera import CameraScore
 from validation.metrics import ErrorSummary, ErrorTally
 from validation.nodes import difference_at, has_node, stacked
@@ -40,20 +41,24 @@ class MethodScore:
         How well the camera's motion was found.
     regions : RegionScore or None
         How well soil, its moving part and the shear interface were found; None if the method tells no masks.
+    averaging : AveragingScore or None
+        What averaging over pairs does for the error; None if the method tells no inertial motion.
     """
 
     seconds_per_pair: float | None
     strata: dict[str, ErrorSummary]
     camera: CameraScore | None = None
     regions: RegionScore | None = None
+    averaging: AveragingScore | None = None
 
     def to_dict(self) -> dict[str, Any]:
         """As it stands in scores.json; without what is not known."""
         table: dict[str, Any] = {"seconds_per_pair": self.seconds_per_pair}
         if self.camera is not None:
             table["camera"] = self.camera.to_dict()
-        if self.regions is not None:
-            table |= self.regions.to_dict()
+        for part in (self.regions, self.averaging):
+            if part is not None:
+                table |= part.to_dict()
         return table | {"strata": {name: summary.to_dict() for name, summary in self.strata.items()}}
 
 
@@ -104,9 +109,13 @@ class Scores:
 
 def _method_from(table: dict[str, Any]) -> MethodScore:
     strata = {name: ErrorSummary(**summary) for name, summary in table["strata"].items()}
-    camera = CameraScore(**table["camera"]) if "camera" in table else None
-    regions = RegionScore.from_dict(table)
-    return MethodScore(table["seconds_per_pair"], strata, camera=camera, regions=regions)
+    return MethodScore(
+        table["seconds_per_pair"],
+        strata,
+        camera=CameraScore(**table["camera"]) if "camera" in table else None,
+        regions=RegionScore.from_dict(table),
+        averaging=AveragingScore.from_dict(table),
+    )
 
 
 def score_flows(

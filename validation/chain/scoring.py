@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
+from validation.averaging import score_averaging
 from validation.camera import score_camera
 from validation.chain.step import made_by, skips
 from validation.manifest import file_digest, key_of
@@ -82,13 +83,19 @@ def _write_scores(
         with synth.Footage.open(material.folder) as footage, terminal.progress("score") as progress:
             summaries = score_flows(footage, flows, progress=progress)
             cameras = {name: score_camera(flow, footage.truths) for name, flow in flows.items()}
-            regions = score_regions(footage, flows)
+            regions, averaging = score_regions(footage, flows), score_averaging(footage, flows)
         seconds = {m.name: _seconds_per_pair(m, flows[m.name]) for m in methods}
     finally:
         for flow in flows.values():
             flow.close()
     results = {
-        name: MethodScore(seconds[name], strata, camera=cameras[name], regions=regions[name])
+        name: MethodScore(
+            seconds[name],
+            strata,
+            camera=cameras[name],
+            regions=regions[name],
+            averaging=averaging[name],
+        )
         for name, strata in summaries.items()
     }
     with run.writing("score", key) as draft:

@@ -1,0 +1,143 @@
+"""How much of a measurement's error averaging over pairs takes away, against the truth (section 3.3).
+
+The data alone tell noise from signal by what repeats; errors that repeat, too, then pass for signal. Here the
+mean over N pairs is compared with the mean of the truth over the same pairs.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+if TYPE_CHECKING:
+    import xarray as xr
+
+    from synth import Footage
+
+_NEEDED = ("inertial_u", "inertial_v", "valid", "soil")
+
+
+@dataclass(frozen=True)
+class AveragingScore:
+    """Error of means over 1, 2, 4, ... pairs.
+
+    Attributes
+    ----------
+    pair_count : tuple of int
+        N.
+    error : tuple of float
+        Root mean square, over soil, of the distance between the mean measured inertial displacement and the
+        mean true one, px.
+    """
+
+    pair_count: tuple[int, ...]
+    error: tuple[float, ...]
+
+    @property
+    def gain(self) -> tuple[float, ...]:
+        """Error of single pairs over that of means: the square root of N if errors are independent."""
+        return tuple(self.error[0] / one if one else float("inf") for one in self.error)
+
+    def to_dict(self) -> dict[str, Any]:
+        """As it stands in scores.json, beside the method's other numbers."""
+        return {"averaging": {"pair_count": list(self.pair_count), "error": list(self.error)}}
+
+    @classmethod
+    def from_dict(cls, table: Mapping[str, Any]) -> "AveragingScore | None":
+        """Read it from a method's numbers; None where they have none of it."""
+        if "averaging" not in table:
+            return None
+        return cls(tuple(table["averaging"]["pair_count"]), tuple(table["averaging"]["error"]))
+
+    @property
+    def sentence(self) -> str:
+        """The result in words."""
+        if len(self.pair_count) < 2:
+            return ""
+        count = self.pair_count[-1]
+        return (
+            f"averaging {count} pairs takes the error (root mean square) from {self.error[0]:.3f} to "
+            f"{self.error[-1]:.3f} px, a gain of {self.gain[-1]:.2f} where independent errors would give "
+            f"{count**0.5:.2f}"
+        )
+
+
+class _BlockErrors:
+    """Sums of errors in blocks of 1, 2, 4, ... pairs: of each length, at most one block is held."""
+
+    def __init__(self) -> None:
+        self._held: list[tuple[np.ndarray, np.ndarray] | None] = []
+        self._squares: list[np.ndarray] = []
+
+    def add(self, error: np.ndarray) -> None:
+        """Add the error (2, H, W) of a pair, NaN where not measured or not known."""
+        known = np.isfinite(error).all(axis=0)
+        block = np.where(known, error, 0.0).astype(np.float64), known.astype(np.int64)
+        level = 0
+        while True:
+            if level == len(self._held):
+                self._held.append(None)
+                self._squares.append(np.zeros(2))
+            self._squares[level] += _mean_square(*block, 2**level)
+            held, self._held[level] = self._held[level], None
+            if held is None:
+                self._held[level] = block
+                return
+            block, level = (held[0] + block[0], held[1] + block[1]), level + 1
+
+    def result(self) -> AveragingScore | None:
+        told = [(2**k, (total / count) ** 0.5) for k, (total, count) in enumerate(self._squares) if count]
+        if not told:
+            return None
+        counts, errors = zip(*told, strict=True)
+        return AveragingScore(tuple(counts), tuple(float(one) for one in errors))
+
+
+def _mean_square(total: np.ndarray, count: np.ndarray, length: int) -> np.ndarray:
+    """Sum over pixels of the squared mean error, and how many: of those known in every pair of the block."""
+    whole = count == length
+    return np.array([np.square(total[:, whole] / length).sum(), whole.sum()])
+
+
+def score_averaging(
+    footage: "Footage", flows: Mapping[str, "xr.Dataset"]
+) -> dict[str, AveragingScore | None]:
+    """Tell the error of means over pairs, for every method; None where a method tells no inertial motion.
+
+    Parameters
+    ----------
+    footage : synth.Footage
+        Pictures and truth.
+    flows : mapping
+        A SoilFlow of these pictures for each method's name. Grids are left out: their nodes move.
+    """
+    tallies = {
+        name: _BlockErrors()
+        for name, flow in flows.items()
+        if set(_NEEDED) <= set(flow.data_vars) and "node_x" not in flow
+    }
+    for pair in range(footage.pair_count if tallies else 0):
+        true = _true_motion(footage.truth(pair))
+        for name, tally in tallies.items():
+            tally.add(_measured_motion(flows[name].isel(pair=pair)) - true)
+    return {name: tallies[name].result() if name in tallies else None for name in flows}
+
+
+def _true_motion(truth: "xr.Dataset") -> np.ndarray:
+    """Inertial displacement (2, H, W) of true soil, NaN elsewhere."""
+    from validation.strata import camera_displacement
+
+    part = truth[
+        [name for name in ("u", "v", "soil", "valid", "camera_u", "camera_v") if name in truth]
+    ].load()
+    soil = part["soil"].values.astype(bool) & part["valid"].values.astype(bool)
+    camera = camera_displacement(part, soil), float(part["camera_v"]) if "camera_v" in part else 0.0
+    motion = np.stack([part["u"].values - camera[0], part["v"].values - camera[1]])
+    return np.where(soil, motion, np.nan)
+
+
+def _measured_motion(flow: "xr.Dataset") -> np.ndarray:
+    part = flow[list(_NEEDED)].load()
+    known = part["valid"].values.astype(bool) & part["soil"].values.astype(bool)
+    return np.where(known, np.stack([part["inertial_u"].values, part["inertial_v"].values]), np.nan)
