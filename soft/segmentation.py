@@ -22,6 +22,10 @@ LEAST_SPEED_STEP = 0.6
 # Of the pixels called moving, this share must hang together: errors are scattered, a moving mass is not.
 LEAST_REGION_SHARE = 0.25
 
+# A mass that is this share of the largest one moves, too. A wheel moves soil ahead of it and behind; whether
+# a thread joins the two is chance, and must not decide whether half of what moves is counted.
+LEAST_MASS_SHARE = 0.1
+
 # What is moving at one pixel says something about a pixel this share of the shorter side away (about 25 px,
 # more than errors of flow hang together). By chance the coherence is 0, within one large mass 1.
 COHERENCE_DISTANCE = 0.05
@@ -69,7 +73,7 @@ class SoilRegion:
 
 @dataclass(frozen=True, eq=False)
 class MovingRegion:
-    """Where soil moves, in the inertial frame; its boundary is the shear interface.
+    """Where soil moves, in the inertial frame: one mass or several; its boundary is the shear interface.
 
     Attributes
     ----------
@@ -134,11 +138,12 @@ def moving_mask(
 ) -> MovingRegion:
     """Tell moving from resting soil by speed in the inertial frame.
 
-    Two-means on the speeds over soil, the largest region of the faster class, its gaps filled. Two-means
-    splits any numbers, also the errors of a field in which nothing moves. So the region is empty unless the
-    classes lie `least_step` apart and the faster class is one mass: enough of it hangs together, and
-    moving pixels have moving pixels some way off. A few fast pixels that are no mass are set aside, and the
-    rest is split again.
+    Two-means on the speeds over soil; of the faster class, the largest region and all that are at least a
+    tenth of it, their gaps filled. (The paper takes the largest alone. Where a wheel moves one mass ahead and
+    one behind, it then jumps by a whole mass whenever a thread between the two breaks.) Two-means splits any
+    numbers, also the errors of a field in which nothing moves. So the region is empty unless the classes lie
+    `least_step` apart and the faster class is a mass: enough of it hangs together, and moving pixels have
+    moving pixels some way off. A few fast pixels that are no mass are set aside, and the rest is split again.
 
     Parameters
     ----------
@@ -163,9 +168,10 @@ def moving_mask(
             return _nothing_moves(soil, f"speeds differ by {step:.2f} px, which errors alone may do{told}")
         # NaN is not above any threshold.
         fast = measured & (np.nan_to_num(speed) > classes.threshold)
-        mask = largest_region(fast, size=texture_size(soil.shape)) & soil
-        why = _why_no_mass(mask, fast, measured)
+        size = texture_size(soil.shape)
+        why = _why_no_mass(largest_region(fast, size=size), fast, measured)
         if why is None:
+            mask = large_regions(fast, size=size, share=LEAST_MASS_SHARE) & soil
             return MovingRegion(mask, True, _told_apart(classes) + told, classes.threshold)
         set_aside += int(fast.sum())
         if set_aside > most:
@@ -274,22 +280,31 @@ def largest_region(raw: np.ndarray, *, size: int) -> np.ndarray:
     Dilation and erosion close gaps, erosion and dilation cut off threads; then what is enclosed and smaller
     than `size` squared times ten is filled. An implement inside the soil is larger and stays out.
     """
+    return large_regions(raw, size=size, share=1.0)
+
+
+def large_regions(raw: np.ndarray, *, size: int, share: float) -> np.ndarray:
+    """Do as `largest_region`, with all regions that have at least this share of the largest one's area."""
     import cv2
 
     disc = cv2.getStructuringElement(cv2.MORPH_ELLIPSE, (size, size))
     closed = cv2.morphologyEx(raw.astype(np.uint8), cv2.MORPH_CLOSE, disc)
     opened = cv2.morphologyEx(closed, cv2.MORPH_OPEN, disc)
-    region = _largest_component(opened)
-    return ~_without_specks(~region, 10 * size * size)
+    regions = _largest_components(opened, share)
+    return ~_without_specks(~regions, 10 * size * size)
 
 
-def _largest_component(binary: np.ndarray) -> np.ndarray:
+def _largest_components(binary: np.ndarray, share: float) -> np.ndarray:
+    """Only the components of at least this share of the largest one; with a share of 1, one of them."""
     import cv2
 
     count, labels, stats, _ = cv2.connectedComponentsWithStats(binary.astype(np.uint8), connectivity=4)
     if count < 2:
         return np.zeros(binary.shape, bool)
-    return np.asarray(labels == 1 + int(np.argmax(stats[1:, cv2.CC_STAT_AREA])))
+    area = stats[:, cv2.CC_STAT_AREA].copy()
+    area[0] = 0
+    kept = np.arange(count) == int(np.argmax(area)) if share == 1.0 else area >= share * area.max()
+    return np.asarray(kept[np.asarray(labels, np.intp)])
 
 
 def _without_specks(binary: np.ndarray, least_area: int) -> np.ndarray:

@@ -175,6 +175,18 @@ class TestMoving:
         assert "set aside" in region.remark
         assert not moving_mask(np.where(speed > 50, speed, 0.1), np.ones(SHAPE, bool)).found
 
+    @pytest.mark.parametrize("joined", [True, False])
+    def test_two_masses_both_move_whether_or_not_a_thread_joins_them(self, joined):
+        """As soil ahead of a wheel and behind it; a third is too small to count."""
+        ahead, behind, small = disc((330, 120), 70), disc((150, 120), 60), disc((450, 250), 15)
+        thread = np.zeros(SHAPE, bool)
+        thread[110:130, 200:270] = joined
+        noise = np.random.default_rng(1).normal(0, 0.05, (2, *SHAPE))
+        speed = np.hypot(noise[0] + 4.0 * (ahead | behind | small | thread), noise[1])
+        region = moving_mask(speed, np.ones(SHAPE, bool))
+        assert iou(region.mask, ahead | behind | thread) > 0.97
+        assert not (region.mask & small).any()
+
     def test_a_mean_shows_what_a_pair_does_not(self):
         speed = self.speeds(0.3, noise=0.01)
         assert not moving_mask(speed, np.ones(SHAPE, bool)).found
