@@ -29,6 +29,19 @@ def test_two_means_finds_a_small_class():
     assert (classes.low, classes.high, classes.threshold) == pytest.approx((1.0, 9.0, 5.0))
 
 
+def test_two_means_is_the_best_of_all_partings():
+    """Tried by hand, on speeds that fall off gradually: what random starts come near to only."""
+    values = np.random.default_rng(5).gamma(1.2, 1.0, 400)
+    ordered = np.sort(values)
+    cost = [part[:k].var() * k + part[k:].var() * (400 - k) for part in (ordered,) for k in range(1, 400)]
+    k = 1 + int(np.argmin(cost))
+    classes = two_means(values, seed=0)
+    assert classes.low == pytest.approx(ordered[:k].mean()) and classes.high == pytest.approx(
+        ordered[k:].mean()
+    )
+    assert ordered[k - 1] <= classes.threshold <= ordered[k]
+
+
 def test_two_means_of_one_heap_are_not_apart():
     rng = np.random.default_rng(0)
     for heap in (rng.normal(size=30_000), rng.uniform(size=30_000), rng.rayleigh(size=30_000), np.ones(9)):
@@ -186,6 +199,13 @@ class TestMoving:
         region = moving_mask(speed, np.ones(SHAPE, bool))
         assert iou(region.mask, ahead | behind | thread) > 0.97
         assert not (region.mask & small).any()
+
+    def test_the_implements_speed_that_leaks_over_the_outline_does_not_shift_the_classes(self):
+        soil = ~disc((250, 60), 50)
+        speed = self.speeds(2.0)
+        clean = moving_mask(speed, soil)
+        speed[disc((250, 60), 52)] = 9.0
+        assert moving_mask(speed, soil).threshold == pytest.approx(clean.threshold, abs=1e-6)
 
     def test_a_mean_shows_what_a_pair_does_not(self):
         speed = self.speeds(0.3, noise=0.01)
