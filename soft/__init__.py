@@ -24,7 +24,12 @@ if TYPE_CHECKING:
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
     from soft.settings import AnalysisSettings, SettingsError, write_settings
     from soft.sequence import ImageSequence, SequenceError
-    from soft.shear_interface import ShearInterface, shear_interface_of, write_interface
+    from soft.shear_interface import (
+        ShearInterface,
+        shear_interface_of,
+        shear_interface_of_mean,
+        write_interface,
+    )
     from soft.soil_motion import (
         DirectionStatistics,
         FailureDepth,
@@ -91,6 +96,7 @@ _HOMES = {
     "read_kitti": "soft.flow",
     "read_soil_flow": "soft.soilflow",
     "shear_interface_of": "soft.shear_interface",
+    "shear_interface_of_mean": "soft.shear_interface",
     "significant_direction": "soft.direction_filter",
     "soil_mask": "soft.segmentation",
     "speed_figure": "soft.figures",
@@ -157,6 +163,7 @@ __all__ = [
     "read_kitti",
     "read_soil_flow",
     "shear_interface_of",
+    "shear_interface_of_mean",
     "significant_direction",
     "soil_mask",
     "speed_figure",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.averaging_gain import AveragingGain, GainTally
+from soft.segmentation import LEAST_SPEED_STEP, MovingRegion, moving_mask
 
 if TYPE_CHECKING:
     import xarray
@@ -55,6 +56,15 @@ class MeanFlow:
     def speed(self) -> np.ndarray:
         """Magnitude of the mean vector, (H, W) px a pair."""
         return np.hypot(self.u, self.v)
+
+    def moving_region(self, *, seed: int = 0) -> MovingRegion:
+        """Tell moving from resting soil by the mean vectors, as `moving_mask` does by those of a pair.
+
+        Errors of a mean are smaller than those of a pair by what averaging gained over half of the pairs, at
+        least; so much less need the classes lie apart. This is how motion shows that no pair shows (Fig. 13).
+        """
+        gained = max(1.0, float(self.gain.gain[-1])) if len(self.gain.pair_count) else 1.0
+        return moving_mask(self.speed, self.soil, seed=seed, least_step=LEAST_SPEED_STEP / gained)
 
 
 def average_flow(

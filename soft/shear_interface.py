@@ -7,10 +7,12 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from soft.segmentation import moving_mask
+from soft.segmentation import MovingRegion, moving_mask
 
 if TYPE_CHECKING:
     import xarray
+
+    from soft.averaging import MeanFlow
 
 # px. The soil's outline is known to about this much; what runs along it closer than that follows the
 # implement or the free surface, and is no boundary between two soils.
@@ -103,7 +105,15 @@ def shear_interface_of(flow: "xarray.Dataset", *, pair: int = 0) -> ShearInterfa
     soil = part["soil"].to_numpy()
     speed = np.hypot(part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy())
     speed = np.where(part["valid"].to_numpy() & soil, speed, np.float32(np.nan))
-    region = moving_mask(speed, soil, seed=int(flow.attrs.get("seed", 0)))
+    return _around(moving_mask(speed, soil, seed=int(flow.attrs.get("seed", 0))), speed, soil)
+
+
+def shear_interface_of_mean(mean: "MeanFlow", *, seed: int = 0) -> ShearInterface:
+    """Find the shear interface of an average over pairs; motion may show that single pairs do not show."""
+    return _around(mean.moving_region(seed=seed), mean.speed, mean.soil)
+
+
+def _around(region: MovingRegion, speed: np.ndarray, soil: np.ndarray) -> ShearInterface:
     if not region.found:
         return ShearInterface((), region.remark)
     return shear_interface(speed, region.mask, threshold=region.threshold, soil=soil)

@@ -3,7 +3,14 @@ import csv
 import numpy as np
 import pytest
 
-from soft import ShearInterface, moving_mask, write_interface
+from soft import (
+    ShearInterface,
+    average_flow,
+    moving_mask,
+    shear_interface_of,
+    shear_interface_of_mean,
+    write_interface,
+)
 from soft.shear_interface import shear_interface
 
 SHAPE = (120, 160)
@@ -97,6 +104,19 @@ def test_with_the_moving_region_as_found():
     speed = np.hypot(noise[0] + 3.0 * (RADIUS < 35), noise[1])
     region = moving_mask(speed, np.ones(SHAPE, bool))
     (line,) = shear_interface(speed, region.mask, threshold=region.threshold).lines
+    assert np.abs(radius_of(line) - 35).max() < 1.0
+
+
+def test_of_a_soil_flow_and_of_its_mean(soil_flow):
+    """A disc that moves by 0.3 px under errors of 0.15: no pair shows it, the mean over 64 does."""
+    noise = np.random.default_rng(0).normal(0, 0.15, (64, 2, *SHAPE))
+    flow = soil_flow(0.3 * (RADIUS < 35) + noise[:, 0], noise[:, 1])
+    assert shear_interface_of(flow, pair=3).lines == ()
+    assert "no moving region" in shear_interface_of(flow, pair=3).remark
+    (line,) = shear_interface_of_mean(average_flow(flow)).lines
+    assert np.abs(radius_of(line) - 35).max() < 1.0
+    fast = soil_flow(3.0 * (RADIUS < 35) + noise[:2, 0], noise[:2, 1])
+    (line,) = shear_interface_of(fast, pair=1).lines
     assert np.abs(radius_of(line) - 35).max() < 1.0
 
 
