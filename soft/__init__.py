@@ -19,6 +19,7 @@ if TYPE_CHECKING:
     from soft.gradient import displacement_gradient
     from soft.inertial import InertialMotion, to_inertial
     from soft.opening import open_sequence
+    from soft.pair_motion import PairMotion, motion_of_pair
     from soft.phase_lock import PhaseLockedFlow, grouser_phase, phase_locked_average, wheel_angle_of
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
@@ -65,6 +66,7 @@ _HOMES = {
     "MovingRegion": "soft.segmentation",
     "PairSelection": "soft.sequence",
     "Region": "soft.sequence",
+    "PairMotion": "soft.pair_motion",
     "PhaseLockedFlow": "soft.phase_lock",
     "SequenceError": "soft.sequence",
     "SettingsError": "soft.settings",
@@ -88,6 +90,7 @@ _HOMES = {
     "failure_depth": "soft.soil_motion",
     "forward_flux": "soft.soil_motion",
     "grouser_phase": "soft.phase_lock",
+    "motion_of_pair": "soft.pair_motion",
     "moving_mask": "soft.segmentation",
     "open_sequence": "soft.opening",
     "phase_locked_average": "soft.phase_lock",
@@ -132,6 +135,7 @@ __all__ = [
     "MovingRegion",
     "PairSelection",
     "Region",
+    "PairMotion",
     "PhaseLockedFlow",
     "SequenceError",
     "SettingsError",
@@ -155,6 +159,7 @@ __all__ = [
     "failure_depth",
     "forward_flux",
     "grouser_phase",
+    "motion_of_pair",
     "moving_mask",
     "open_sequence",
     "phase_locked_average",

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.averaging_gain import AveragingGain, GainTally
+from soft.pair_motion import motion_of_pair
 from soft.segmentation import LEAST_SPEED_STEP, MovingRegion, moving_mask
 
 if TYPE_CHECKING:
@@ -149,13 +150,10 @@ def _shifts(
 
 def _pair_vectors(flow: "xarray.Dataset", pair: int, shift: tuple[int, int], sums: "_Sums") -> np.ndarray:
     """Read a pair's vectors (2, H, W), NaN where not measured on soil, and add them to the sums."""
-    part = flow[["inertial_u", "inertial_v", "valid", "soil"]].isel(pair=pair).load()
-    soil = part["soil"].to_numpy().astype(bool)
-    known = soil & part["valid"].to_numpy().astype(bool)
-    vectors = np.stack([part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy()])
-    vectors = np.where(known, vectors, np.float32(np.nan))
-    vectors = np.stack([_shifted(component, shift, np.float32(np.nan)) for component in vectors])
-    sums.add(vectors, _shifted(soil, shift, False))
+    motion = motion_of_pair(flow, pair)
+    components = np.moveaxis(motion.displacement, 2, 0)
+    vectors = np.stack([_shifted(component, shift, np.float32(np.nan)) for component in components])
+    sums.add(vectors, _shifted(motion.soil, shift, False))
     return vectors
 
 

@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.gradient import displacement_gradient
+from soft.pair_motion import motion_of_pair
 
 if TYPE_CHECKING:
     import xarray
@@ -69,7 +70,6 @@ def deformation_of(flow: "xarray.Dataset", *, pair: int = 0, scale: float = 3.0)
     scale : float, optional
         Px over which displacements are smoothed, as in `displacement_gradient`.
     """
-    part = flow[["inertial_u", "inertial_v", "valid", "soil"]].isel(pair=pair).load()
-    displacement = np.stack([part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy()], axis=-1)
-    measured = part["valid"].to_numpy() & part["soil"].to_numpy()
-    return Deformation.from_gradient(displacement_gradient(displacement, measured, scale=scale))
+    motion = motion_of_pair(flow, pair)
+    gradient = displacement_gradient(motion.displacement, motion.measured, scale=scale)
+    return Deformation.from_gradient(gradient)

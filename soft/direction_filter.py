@@ -4,6 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from soft.pair_motion import motion_of_pair
 from soft.velocity import to_polar, to_velocity
 
 if TYPE_CHECKING:
@@ -41,6 +42,5 @@ def significant_direction(displacement: np.ndarray, moving: np.ndarray) -> np.nd
 
 def direction_of(flow: "xarray.Dataset", *, pair: int = 0) -> np.ndarray:
     """Direction within the moving region of one pair of a SoilFlow: (H, W) float32 in radians."""
-    part = flow[["inertial_u", "inertial_v", "valid", "moving"]].isel(pair=pair).load()
-    displacement = np.stack([part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy()], axis=-1)
-    return significant_direction(displacement, part["moving"].to_numpy() & part["valid"].to_numpy())
+    motion = motion_of_pair(flow, pair)
+    return significant_direction(motion.displacement, motion.moving)

@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from soft.pair_motion import motion_of_pair
 from soft.segmentation import MovingRegion, moving_mask
 
 if TYPE_CHECKING:
@@ -101,11 +102,9 @@ def shear_interface_of(flow: "xarray.Dataset", *, pair: int = 0) -> ShearInterfa
     pair : int, optional
         Which pair.
     """
-    part = flow[["inertial_u", "inertial_v", "valid", "soil"]].isel(pair=pair).load()
-    soil = part["soil"].to_numpy()
-    speed = np.hypot(part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy())
-    speed = np.where(part["valid"].to_numpy() & soil, speed, np.float32(np.nan))
-    return _around(moving_mask(speed, soil, seed=int(flow.attrs.get("seed", 0))), speed, soil)
+    motion = motion_of_pair(flow, pair)
+    region = moving_mask(motion.speed, motion.soil, seed=int(flow.attrs.get("seed", 0)))
+    return _around(region, motion.speed, motion.soil)
 
 
 def shear_interface_of_mean(mean: "MeanFlow", *, seed: int = 0) -> ShearInterface:
