@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 
     from synth import Footage
 
-_NEEDED_OF_FLOW = ("inertial_u", "inertial_v", "valid", "soil", "moving")
+_NEEDED_OF_FLOW = ("u", "v", "inertial_u", "inertial_v", "valid", "soil", "moving")
 
 
 @dataclass(frozen=True)
@@ -41,6 +41,9 @@ class RegionScore:
         Distance from points of the measured interface to the true one, px.
     interface_symmetric_mean, interface_symmetric_p95 : float or None
         The same with the distances from the true to the measured one put with them, px.
+    interface_true_camera_mean, interface_true_camera_p95 : float or None
+        As `interface_mean`, `interface_p95`, had the camera's motion been known: what is left of the error is
+        that of flow.
     shear_line_mean, shear_line_p95 : float or None
         Distance from the line of greatest true shear rate to the measured interface, px.
     shear_line_true_mean, shear_line_true_p95 : float or None
@@ -56,6 +59,8 @@ class RegionScore:
     interface_p95: float | None
     interface_symmetric_mean: float | None
     interface_symmetric_p95: float | None
+    interface_true_camera_mean: float | None
+    interface_true_camera_p95: float | None
     shear_line_mean: float | None
     shear_line_p95: float | None
     shear_line_true_mean: float | None
@@ -82,12 +87,15 @@ class TrueRegions:
         Soil, and the moving region as clustered from the true inertial speeds.
     interface, shear_line : (N, 2) float64
         Points x, y in px of the shear interface, at even steps, and of the line of greatest shear rate.
+    camera : (float, float)
+        Displacement of resting soil by the camera's motion, right and down, px.
     """
 
     soil: np.ndarray
     moving: np.ndarray
     interface: np.ndarray
     shear_line: np.ndarray
+    camera: tuple[float, float]
 
 
 @dataclass
@@ -99,6 +107,7 @@ class _Tally:
     counts: dict[str, int] = field(default_factory=lambda: {"both": 0, "missed": 0, "false": 0})
     to_true: list[np.ndarray] = field(default_factory=list)
     from_true: list[np.ndarray] = field(default_factory=list)
+    by_true_camera: list[np.ndarray] = field(default_factory=list)
     to_shear: list[np.ndarray] = field(default_factory=list)
     to_shear_true: list[np.ndarray] = field(default_factory=list)
 
@@ -111,6 +120,8 @@ class _Tally:
         moving = flow["moving"].values.astype(bool)
         self.moving += [(moving & true.moving).sum(), (moving | true.moving).sum()]
         self._add_interface(true, _measured_interface(flow))
+        if len(true.interface) and len(found := _measured_interface(_seen_from(true.camera, flow))):
+            self.by_true_camera.append(distances(found, true.interface))
 
     def _add_interface(self, true: TrueRegions, found: np.ndarray) -> None:
         if len(found) and len(true.interface):
@@ -125,9 +136,10 @@ class _Tally:
             self.counts["false"] += 1
 
     def result(self) -> RegionScore:
-        one_way, both_ways, shear, shear_true = (
+        both_ways = _mean_and_p95(self.to_true + self.from_true)
+        one_way, by_true_camera, shear, shear_true = (
             _mean_and_p95(parts)
-            for parts in (self.to_true, self.to_true + self.from_true, self.to_shear, self.to_shear_true)
+            for parts in (self.to_true, self.by_true_camera, self.to_shear, self.to_shear_true)
         )
         return RegionScore(
             soil_iou=_ratio(self.soil),
@@ -139,6 +151,8 @@ class _Tally:
             interface_p95=one_way[1],
             interface_symmetric_mean=both_ways[0],
             interface_symmetric_p95=both_ways[1],
+            interface_true_camera_mean=by_true_camera[0],
+            interface_true_camera_p95=by_true_camera[1],
             shear_line_mean=shear[0],
             shear_line_p95=shear[1],
             shear_line_true_mean=shear_true[0],
@@ -193,16 +207,20 @@ def true_regions(truth: "xr.Dataset") -> TrueRegions:
     interface = shear_interface(speed, region.mask, threshold=region.threshold, soil=soil)
     shears = region.found and "strain_rate" in truth
     crest = shear_line(truth["strain_rate"].values, soil) if shears else np.empty((0, 2))
-    return TrueRegions(soil, region.mask, points_along(interface.lines), crest)
+    camera = strata.camera_u, camera_v
+    return TrueRegions(soil, region.mask, points_along(interface.lines), crest, camera)
 
 
 def _measured_interface(flow: "xr.Dataset") -> np.ndarray:
-    """Points of the interface of one pair: where `moving` is empty, there is none."""
+    """Points of the interface of one pair at even steps, x, y in px."""
     from soft import shear_interface_of
 
-    if not flow["moving"].values.any():
-        return np.empty((0, 2))
     return points_along(shear_interface_of(flow.expand_dims("pair")).lines)
+
+
+def _seen_from(camera: tuple[float, float], flow: "xr.Dataset") -> "xr.Dataset":
+    """Take another camera motion out of one pair of a SoilFlow."""
+    return flow.assign(inertial_u=flow["u"] - camera[0], inertial_v=flow["v"] - camera[1])
 
 
 def _ratio(sums: np.ndarray) -> float | None:

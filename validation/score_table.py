@@ -20,10 +20,11 @@ REGION_COLUMNS = (
     "interface in pairs",
     "to the true one px",
     "both ways px",
+    "by the true camera px",
     "from greatest shear px",
     "true one from it px",
 )
-"""The last four hold mean and 95 %."""
+"""The last five hold mean and 95 %."""
 
 
 def score_table(scores: "Scores") -> "Table":
@@ -86,6 +87,7 @@ def region_cells(regions: "RegionScore") -> list[str]:
             for mean, p95 in (
                 (regions.interface_mean, regions.interface_p95),
                 (regions.interface_symmetric_mean, regions.interface_symmetric_p95),
+                (regions.interface_true_camera_mean, regions.interface_true_camera_p95),
                 (regions.shear_line_mean, regions.shear_line_p95),
                 (regions.shear_line_true_mean, regions.shear_line_true_p95),
             )

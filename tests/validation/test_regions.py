@@ -111,6 +111,13 @@ def test_the_cameras_error_moves_the_line(footage, measured):
     assert score.interface_mean == pytest.approx(0.25, abs=0.1)
 
 
+def test_what_the_camera_does_to_the_line_is_told_apart(footage, measured):
+    flow = measured([np.abs(moving_by(60.5) - 0.5)] * 2).assign(u=measured([moving_by(60.5)] * 2)["u"])
+    score = score_regions(footage, {"own": flow})["own"]
+    assert score.interface_mean > 0.1
+    assert score.interface_true_camera_mean == pytest.approx(0, abs=1e-6)
+
+
 def test_without_masks_there_is_nothing_to_score(footage, make_flow):
     assert score_regions(footage, {"own": make_flow(np.zeros((2, *SHAPE)), np.zeros((2, *SHAPE)))}) == {
         "own": None
