@@ -138,7 +138,9 @@ def test_true_regions_use_the_true_camera(make_truth):
 def test_written_and_read(footage, measured, tmp_path):
     flows = {"own": measured([moving_by(61.5)] * 2)}
     region = score_regions(footage, flows)["own"]
-    scores = Scores("", 0, False, {"own": MethodScore(0.5, score_flows(footage, flows)["own"], region)}, {})
+    scores = Scores(
+        "", 0, False, {"own": MethodScore(0.5, score_flows(footage, flows)["own"], regions=region)}, {}
+    )
     scores.write(tmp_path / "scores.json")
     assert Scores.read(tmp_path / "scores.json") == scores
     table = json.loads((tmp_path / "scores.json").read_text())["methods"]["own"]
