@@ -270,7 +270,7 @@ def forward_flux(
     known = np.isfinite(on_line)
     scale, unit = 1.0, "px2/frame"
     if metres_per_pixel is not None and frame_rate is not None:
-        scale, unit = (1e3 * metres_per_pixel) ** 2 * frame_rate, "mm2/s"
+        scale, unit = float((1e3 * metres_per_pixel) ** 2 * frame_rate), "mm2/s"
     ahead, back = (float(np.maximum(way * on_line[known], 0).sum()) * scale for way in (1, -1))
     return Flux(ahead, back, ahead - back, unit, float(1 - known.mean()) if len(known) else 0.0)
 
