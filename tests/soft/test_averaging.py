@@ -128,6 +128,14 @@ def test_one_pair(soil_flow):
     assert len(mean.gain.pair_count) == 0 and "single pair" in mean.gain.remark
 
 
+def test_two_pairs_tell_noise_but_no_gain(soil_flow):
+    noise = np.random.default_rng(5).normal(0, 0.3, (2, 2, *SHAPE))
+    gain = average_flow(soil_flow(*np.moveaxis(SIGNAL + noise, 1, 0))).gain
+    assert gain.pair_count.tolist() == [1]
+    assert gain.noise[0] == pytest.approx(0.3 * np.sqrt(2), rel=0.05)
+    assert gain.remark.endswith("more pairs tell the gain")
+
+
 def test_progress_and_scale(soil_flow):
     seen = []
     flow = soil_flow(*np.moveaxis(np.stack([SIGNAL] * 5), 1, 0))
