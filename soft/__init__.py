@@ -8,9 +8,9 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from soft.analysis import analyze
-    from soft.calibration import CalibrationError
     from soft.averaging import MeanFlow, average_flow
     from soft.averaging_gain import AveragingGain
+    from soft.calibration import CalibrationError
     from soft.cross_validation import CrossValidation, cross_validate
     from soft.deformation import Deformation, deformation_of
     from soft.direction_filter import direction_of, significant_direction
@@ -24,7 +24,6 @@ if TYPE_CHECKING:
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
     from soft.settings import AnalysisSettings, SettingsError, write_settings
-    from soft.sequence import ImageSequence, SequenceError
     from soft.shear_interface import (
         ShearInterface,
         shear_interface_of,
@@ -44,15 +43,15 @@ if TYPE_CHECKING:
         velocity_profile,
     )
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
-    from soft.travel import CameraSpeed, camera_speed
     from soft.streamlines import Streamlines, trace_streamlines
+    from soft.travel import CameraSpeed, camera_speed
     from soft.velocity import to_polar, to_velocity
 
 _HOMES = {
     "AnalysisSettings": "soft.settings",
+    "AveragingGain": "soft.averaging_gain",
     "CalibrationError": "soft.calibration",
     "CameraSpeed": "soft.travel",
-    "AveragingGain": "soft.averaging_gain",
     "CrossValidation": "soft.cross_validation",
     "Deformation": "soft.deformation",
     "DirectionStatistics": "soft.soil_motion",
@@ -64,10 +63,10 @@ _HOMES = {
     "InertialMotion": "soft.inertial",
     "MeanFlow": "soft.averaging",
     "MovingRegion": "soft.segmentation",
-    "PairSelection": "soft.sequence",
-    "Region": "soft.sequence",
     "PairMotion": "soft.pair_motion",
+    "PairSelection": "soft.sequence",
     "PhaseLockedFlow": "soft.phase_lock",
+    "Region": "soft.sequence",
     "SequenceError": "soft.sequence",
     "SettingsError": "soft.settings",
     "ShearInterface": "soft.shear_interface",
@@ -77,8 +76,8 @@ _HOMES = {
     "ThrustShares": "soft.soil_motion",
     "VelocityProfile": "soft.soil_motion",
     "analyze": "soft.analysis",
-    "camera_speed": "soft.travel",
     "average_flow": "soft.averaging",
+    "camera_speed": "soft.travel",
     "check_soil_flow": "soft.soilflow",
     "cross_validate": "soft.cross_validation",
     "deformation_of": "soft.deformation",
@@ -119,9 +118,9 @@ _HOMES = {
 
 __all__ = [
     "AnalysisSettings",
+    "AveragingGain",
     "CalibrationError",
     "CameraSpeed",
-    "AveragingGain",
     "CrossValidation",
     "Deformation",
     "DirectionStatistics",
@@ -133,10 +132,10 @@ __all__ = [
     "InertialMotion",
     "MeanFlow",
     "MovingRegion",
-    "PairSelection",
-    "Region",
     "PairMotion",
+    "PairSelection",
     "PhaseLockedFlow",
+    "Region",
     "SequenceError",
     "SettingsError",
     "ShearInterface",
@@ -146,8 +145,8 @@ __all__ = [
     "ThrustShares",
     "VelocityProfile",
     "analyze",
-    "camera_speed",
     "average_flow",
+    "camera_speed",
     "check_soil_flow",
     "cross_validate",
     "deformation_of",

@@ -65,7 +65,9 @@ class AveragingGain:
         if not len(self.pair_count):
             return "a single pair: nothing is averaged"
         if len(self.pair_count) == 1:
-            return f"signal over noise {self.signal_to_noise[0]:.1f} of single pairs; more pairs tell the gain"
+            return (
+                f"signal over noise {self.signal_to_noise[0]:.1f} of single pairs; more pairs tell the gain"
+            )
         return (
             f"signal over noise {self.signal_to_noise[0]:.1f} of single pairs, "
             f"{self.signal_to_noise[-1]:.1f} of means over {self.pair_count[-1]}: "
