@@ -6,6 +6,7 @@ import xarray as xr
 
 from validation.regions import RegionScore, score_regions, true_regions
 from validation.score import MethodScore, Scores, score_flows
+from validation.score_table import REGION_COLUMNS, region_cells
 
 SHAPE = (100, 140)
 Y, X = np.mgrid[: SHAPE[0], : SHAPE[1]].astype(float)
@@ -133,6 +134,14 @@ def test_of_a_grid_only_soil_is_scored(footage, measured):
 def test_true_regions_use_the_true_camera(make_truth):
     found = true_regions(truth_of(make_truth, moving_by(60.5)))
     assert found.interface[:, 1] == pytest.approx(np.full(len(found.interface), 60.5), abs=0.1)
+
+
+def test_in_words(footage, measured):
+    found = score_regions(footage, {"own": measured([moving_by(67.5), 0 * Y])})["own"]
+    cells = region_cells(found)
+    assert len(cells) == len(REGION_COLUMNS)
+    assert cells[:3] == ["1.0000", f"{found.moving_iou:.3f}", "1 of 2"]
+    assert cells[3] == "7.0 / 7.0"
 
 
 def test_written_and_read(footage, measured, tmp_path):

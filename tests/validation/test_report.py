@@ -45,6 +45,13 @@ def test_page_is_whole(text):
     assert len(page.ids) == len(set(page.ids))
 
 
+def test_regions_of_every_method_stand_on_the_page(text):
+    table = text.partition('<table class="regions">')[2].partition("</table>")[0]
+    rows = re.findall(r'<tr><th scope="row">(\S+)</th>\s*<td>([\d.]+)</td>', table)
+    assert [name for name, _ in rows] == ["dis", "farneback"]
+    assert all(float(soil_iou) > 0.95 for _, soil_iou in rows)
+
+
 def test_page_needs_nothing_else(text):
     page = Page(text)
     assert page.loads and all(address.startswith("data:image/png;base64,") for address in page.loads)
