@@ -14,8 +14,28 @@ if TYPE_CHECKING:
     from soft.cross_validation import CrossValidation, cross_validate
     from soft.deformation import Deformation, deformation_of
     from soft.direction_filter import direction_of, significant_direction
-    from soft.figures import direction_figure, picture_figure, speed_figure, write_figures
-    from soft.flow import FlowError, FlowField, estimate_flow, read_flo, read_kitti, write_flo, write_kitti
+    from soft.figures import (
+        FigureError,
+        average_figure,
+        bucket_figure,
+        comparison_figure,
+        direction_figure,
+        motion_figure,
+        picture_figure,
+        save_figure,
+        segments_figure,
+        speed_figure,
+        write_figures,
+    )
+    from soft.flow import (
+        FlowError,
+        FlowField,
+        estimate_flow,
+        read_flo,
+        read_kitti,
+        write_flo,
+        write_kitti,
+    )
     from soft.gradient import displacement_gradient
     from soft.inertial import InertialMotion, to_inertial
     from soft.opening import open_sequence
@@ -56,6 +76,7 @@ _HOMES = {
     "Deformation": "soft.deformation",
     "DirectionStatistics": "soft.soil_motion",
     "FailureDepth": "soft.soil_motion",
+    "FigureError": "soft.figures",
     "FlowError": "soft.flow",
     "FlowField": "soft.flow",
     "Flux": "soft.soil_motion",
@@ -76,9 +97,12 @@ _HOMES = {
     "ThrustShares": "soft.soil_motion",
     "VelocityProfile": "soft.soil_motion",
     "analyze": "soft.analysis",
+    "average_figure": "soft.figures",
     "average_flow": "soft.averaging",
+    "bucket_figure": "soft.figures",
     "camera_speed": "soft.travel",
     "check_soil_flow": "soft.soilflow",
+    "comparison_figure": "soft.figures",
     "cross_validate": "soft.cross_validation",
     "deformation_of": "soft.deformation",
     "direction_figure": "soft.figures",
@@ -89,6 +113,7 @@ _HOMES = {
     "failure_depth": "soft.soil_motion",
     "forward_flux": "soft.soil_motion",
     "grouser_phase": "soft.phase_lock",
+    "motion_figure": "soft.figures",
     "motion_of_pair": "soft.pair_motion",
     "moving_mask": "soft.segmentation",
     "open_sequence": "soft.opening",
@@ -97,6 +122,8 @@ _HOMES = {
     "read_flo": "soft.flow",
     "read_kitti": "soft.flow",
     "read_soil_flow": "soft.soilflow",
+    "save_figure": "soft.figures",
+    "segments_figure": "soft.figures",
     "shear_interface_of": "soft.shear_interface",
     "shear_interface_of_mean": "soft.shear_interface",
     "significant_direction": "soft.direction_filter",
@@ -125,6 +152,7 @@ __all__ = [
     "Deformation",
     "DirectionStatistics",
     "FailureDepth",
+    "FigureError",
     "FlowError",
     "FlowField",
     "Flux",
@@ -145,9 +173,12 @@ __all__ = [
     "ThrustShares",
     "VelocityProfile",
     "analyze",
+    "average_figure",
     "average_flow",
+    "bucket_figure",
     "camera_speed",
     "check_soil_flow",
+    "comparison_figure",
     "cross_validate",
     "deformation_of",
     "direction_figure",
@@ -158,6 +189,7 @@ __all__ = [
     "failure_depth",
     "forward_flux",
     "grouser_phase",
+    "motion_figure",
     "motion_of_pair",
     "moving_mask",
     "open_sequence",
@@ -166,6 +198,8 @@ __all__ = [
     "read_flo",
     "read_kitti",
     "read_soil_flow",
+    "save_figure",
+    "segments_figure",
     "shear_interface_of",
     "shear_interface_of_mean",
     "significant_direction",

@@ -1,0 +1,31 @@
+"""Figures of measurements in the manner of Skonieczny et al. (2014), one function each."""
+
+from soft.figures.colours import COLOURS
+from soft.figures.motion import (
+    average_figure,
+    bucket_figure,
+    comparison_figure,
+    direction_figure,
+    motion_figure,
+    picture_figure,
+    speed_figure,
+)
+from soft.figures.page import SUFFIXES, FigureError, save_figure
+from soft.figures.segments import segments_figure
+from soft.figures.write import write_figures
+
+__all__ = [
+    "COLOURS",
+    "SUFFIXES",
+    "FigureError",
+    "average_figure",
+    "bucket_figure",
+    "comparison_figure",
+    "direction_figure",
+    "motion_figure",
+    "picture_figure",
+    "save_figure",
+    "segments_figure",
+    "speed_figure",
+    "write_figures",
+]
