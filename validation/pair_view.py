@@ -10,12 +10,13 @@ from validation.metrics import end_point_error
 from validation.nodes import difference_at, has_node, stacked
 from validation.strata import find_strata
 
-_DOT = 7
-"""Side of the square that a grid's node is shown as, px."""
+DIRECTION_ABOVE = 0.3
+"""px a frame; slower soil has no direction worth a colour."""
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from soft.figures.units import Units
     from validation.material import Material
     from validation.methods import Method
     from validation.run_folder import RunFolder
@@ -74,7 +75,9 @@ class Measured:
 
     def shown(self, values: np.ndarray) -> np.ndarray:
         """Values (H, W) as a figure shows them: a grid's nodes as dots, since pixels are hardly seen."""
-        return _dots(values) if self.gridded else values
+        from soft.figures.view import dots
+
+        return dots(values) if self.gridded else values
 
 
 @dataclass(frozen=True, eq=False)
@@ -95,6 +98,8 @@ class PairView:
         By method's name.
     camera_u : float
         True horizontal displacement by the camera's own motion, px.
+    units : soft.figures.units.Units
+        Of the pictures.
     """
 
     pair: int
@@ -103,12 +108,14 @@ class PairView:
     strata: dict[str, np.ndarray]
     measured: dict[str, Measured]
     camera_u: float
+    units: "Units"
 
 
 def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]", pair: int) -> PairView:
     """Read one pair of a scored run."""
     import soft
     import synth
+    from soft.figures.units import Units
 
     with synth.Footage.open(material.folder) as footage:
         truth = footage.truth(pair).load()
@@ -121,10 +128,14 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
     for method in methods:
         with soft.read_soil_flow(run.analysis(method.slug)) as flow:
             measured[method.name] = _measured(flow.isel(pair=pair).load(), truth, here)
-    return PairView(pair, material.sequence[pair], motion, found.masks, measured, found.camera_u)
+    sequence = material.sequence
+    units = Units.of(metres_per_pixel=sequence.metres_per_pixel, frame_rate=sequence.frame_rate)
+    return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units)
 
 
 def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:
+    from soft.figures.view import dots
+
     said = flow["soil"].values.astype(bool) & flow["valid"].values.astype(bool)
     u, v = (np.where(said, flow[name].values, np.nan) for name in ("inertial_u", "inertial_v"))
     judged = here & flow["valid"].values.astype(bool)
@@ -132,16 +143,6 @@ def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Meas
     difference = difference_at(stacked(flow, "u", "v"), stacked(truth, "u", "v").astype(float), nodes)
     error = np.where(judged, end_point_error(difference[..., 0], difference[..., 1]), np.nan)
     told = here if nodes is None else here & has_node(nodes)
-    motion = Motion(u, v) if nodes is None else Motion(_dots(u), _dots(v))
+    motion = Motion(u, v) if nodes is None else Motion(dots(u), dots(v))
     missed = told & ~np.isfinite(error)
     return Measured(motion, error, missed, float(flow["camera_u"]), gridded=nodes is not None)
-
-
-def _dots(values: np.ndarray) -> np.ndarray:
-    """Make of each pixel that is not NaN a square of `_DOT` px."""
-    from scipy.ndimage import distance_transform_cdt
-
-    distance, (row, column) = distance_transform_cdt(
-        np.isnan(values), metric="chessboard", return_indices=True
-    )
-    return np.where(distance <= _DOT // 2, values[row, column], np.nan)

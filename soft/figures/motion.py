@@ -244,6 +244,7 @@ def show_speed(
     top: float | None = None,
     named: bool = True,
     outlined: bool = True,
+    bar: bool = True,
 ) -> None:
     """Lay speed over the picture, with a colour bar and the shear interface."""
     show_picture(axes, view.picture, view.extent, view.units.length_name, title=title)
@@ -251,7 +252,8 @@ def show_speed(
     image = show_map(axes, speed, view.extent, colours=colours.speed, low=0, high=top or top_of(speed))
     if outlined:
         draw_interface(axes, view, colours, named=named)
-    colour_bar(axes, image, f"speed [{view.units.speed_name}]", extend="max")
+    if bar:
+        colour_bar(axes, image, f"speed [{view.units.speed_name}]", extend="max")
 
 
 def show_direction(
@@ -261,13 +263,15 @@ def show_direction(
     *,
     title: str,
     named: bool = True,
+    outlined: bool = True,
     arrows: bool = False,
     wheel: bool = True,
 ) -> None:
     """Lay direction over the picture, with the shear interface and a colour wheel."""
     show_picture(axes, view.picture, view.extent, view.units.length_name, title=title)
     show_map(axes, view.direction, view.extent, colours=colours.direction, low=-np.pi, high=np.pi)
-    draw_interface(axes, view, colours, named=named)
+    if outlined:
+        draw_interface(axes, view, colours, named=named)
     if arrows:
         draw_arrows(axes, view, colours)
     if wheel:

@@ -51,15 +51,27 @@ def save_figure(figure: "Figure", path: str | Path, *, dots_per_inch: int = DOTS
     import matplotlib
 
     path = Path(path)
-    suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise FigureError(f"{path}: suffix {suffix!r}: allowed are {', '.join(SUFFIXES)}")
+    suffix = require_suffix(path)
     # Neither date nor version; letters as letters, so that they can be searched and changed.
     nameless = {".png": {"Software": None}, ".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
     letters = {"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "softbed"}
     with matplotlib.rc_context(letters):
         figure.savefig(path, dpi=dots_per_inch, metadata=nameless[suffix])
     return path
+
+
+def require_suffix(path: Path) -> str:
+    """The suffix of a figure's file.
+
+    Raises
+    ------
+    FigureError
+        If a figure is not written as this.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in SUFFIXES:
+        raise FigureError(f"{path}: suffix {suffix!r}: allowed are {', '.join(SUFFIXES)}")
+    return suffix
 
 
 def new_page(

@@ -1,0 +1,126 @@
+"""Every kind of figure that the command line draws."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+from validation.manifest import RunFolderError
+from validation.showing.subject import Subject
+
+if TYPE_CHECKING:
+    from matplotlib.figure import Figure
+
+
+@dataclass(frozen=True, eq=False)
+class Order:
+    """What is to be drawn.
+
+    Attributes
+    ----------
+    subject : Subject
+        The pictures and their analysis.
+    pair : int
+        Which pair.
+    colours : str
+        `even` or `paper`.
+    other : Subject, optional
+        What is set beside it.
+    """
+
+    subject: Subject
+    pair: int
+    colours: str = "even"
+    other: Subject | None = None
+
+
+@dataclass(frozen=True)
+class Kind:
+    """A kind of figure: what it shows, and what draws it."""
+
+    about: str
+    draw: "Callable[[Order], Figure]"
+
+
+def draw_figure(kind: str, order: Order) -> "Figure":
+    """Draw one of `KINDS`.
+
+    Raises
+    ------
+    RunFolderError
+        It is none of them, or needs what was not given.
+    ScoreError
+        It needs the truth, and there is none.
+    """
+    if kind not in KINDS:
+        raise RunFolderError(f"{kind!r}: no such kind of figure: allowed are {', '.join(KINDS)}")
+    return KINDS[kind].draw(order)
+
+
+def _picture(order: Order) -> "Figure":
+    from soft.figures import picture_figure
+
+    frame = int(order.subject.flow["first_frame"][order.pair])
+    scale = order.subject.flow.attrs.get("metres_per_pixel")
+    picture = order.subject.picture(order.pair)
+    return picture_figure(picture, metres_per_pixel=scale, title=f"{order.subject.name}, frame {frame}")
+
+
+def _measured(name: str) -> "Callable[[Order], Figure]":
+    def draw(order: Order) -> "Figure":
+        from soft import figures
+
+        make = getattr(figures, name)
+        subject = order.subject
+        return make(subject.flow, subject.picture(order.pair), pair=order.pair, colours=order.colours)
+
+    return draw
+
+
+def _compare(order: Order) -> "Figure":
+    from soft.figures import comparison_figure
+
+    if order.other is None:
+        raise RunFolderError("compare: needs what to set beside: give --with PATH")
+    both = (order.subject, order.other)
+    runs = [(one.name, one.flow, one.picture(order.pair)) for one in both]
+    return comparison_figure(runs, pair=order.pair, colours=order.colours)
+
+
+def _truth(order: Order) -> "Figure":
+    from validation.figures.truth import truth_figure
+
+    view = order.subject.view(order.pair)
+    return truth_figure(view, order.subject.method.name, colours=order.colours)
+
+
+def _error(order: Order) -> "Figure":
+    from validation.figures.truth import error_figure
+
+    view = order.subject.view(order.pair)
+    return error_figure(view, order.subject.method.name, colours=order.colours)
+
+
+def _distribution(order: Order) -> "Figure":
+    from validation.figures.distribution import distribution_figure
+    from validation.published import read_published
+    from validation.score_table import is_published_rotation
+
+    view, name = order.subject.view(order.pair), order.subject.method.name
+    published = {}
+    if is_published_rotation(order.subject.run):
+        rows = read_published("rotation")
+        published = {"median": rows["median"].value, "95 %": rows["p95"].value}
+    return distribution_figure(view.measured[name], view.strata, name=name, published=published)
+
+
+KINDS = {
+    "picture": Kind("what the camera saw", _picture),
+    "speed": Kind("speed and shear interface (Fig. 10)", _measured("speed_figure")),
+    "direction": Kind("direction and colour wheel (Fig. 19)", _measured("direction_figure")),
+    "motion": Kind("speed above direction (Fig. 4)", _measured("motion_figure")),
+    "bucket": Kind("where a tool pushes soil, with arrows (Fig. 20)", _measured("bucket_figure")),
+    "compare": Kind("two runs beside each other (Figs. 18, 19); --with PATH", _compare),
+    "truth": Kind("truth beside measurement (Fig. 6)", _truth),
+    "error": Kind("error at each pixel (Fig. 7)", _error),
+    "distribution": Kind("error by magnitude, with its bounds (Figs. 8, 9)", _distribution),
+}
