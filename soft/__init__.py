@@ -20,6 +20,7 @@ if TYPE_CHECKING:
         bucket_figure,
         comparison_figure,
         direction_figure,
+        flow_film,
         motion_figure,
         picture_figure,
         save_figure,
@@ -65,6 +66,7 @@ if TYPE_CHECKING:
     from soft.soilflow import SoilFlowError, check_soil_flow, read_soil_flow
     from soft.streamlines import Streamlines, trace_streamlines
     from soft.travel import CameraSpeed, camera_speed
+    from soft.vector_field import vector_field
     from soft.velocity import to_polar, to_velocity
 
 _HOMES = {
@@ -111,6 +113,7 @@ _HOMES = {
     "displacement_gradient": "soft.gradient",
     "estimate_flow": "soft.flow",
     "failure_depth": "soft.soil_motion",
+    "flow_film": "soft.figures",
     "forward_flux": "soft.soil_motion",
     "grouser_phase": "soft.phase_lock",
     "motion_figure": "soft.figures",
@@ -134,6 +137,7 @@ _HOMES = {
     "to_polar": "soft.velocity",
     "to_velocity": "soft.velocity",
     "trace_streamlines": "soft.streamlines",
+    "vector_field": "soft.vector_field",
     "velocity_profile": "soft.soil_motion",
     "wheel_angle_of": "soft.phase_lock",
     "write_figures": "soft.figures",
@@ -187,6 +191,7 @@ __all__ = [
     "displacement_gradient",
     "estimate_flow",
     "failure_depth",
+    "flow_film",
     "forward_flux",
     "grouser_phase",
     "motion_figure",
@@ -210,6 +215,7 @@ __all__ = [
     "to_polar",
     "to_velocity",
     "trace_streamlines",
+    "vector_field",
     "velocity_profile",
     "wheel_angle_of",
     "write_figures",

@@ -85,8 +85,10 @@ def coordinates_for(*, timed: bool) -> dict[str, VariableSpec]:
     return dict(COORDINATES) if timed else COORDINATES | {"time": UNTIMED}
 
 
-def check_soil_flow(flow: "xarray.Dataset", *, name: str = "SoilFlow") -> "xarray.Dataset":
-    """Return `flow` if it has the form of a SoilFlow of this schema; pixels are not looked at.
+def check_soil_flow(
+    flow: "xarray.Dataset", *, name: str = "SoilFlow", values: bool = False
+) -> "xarray.Dataset":
+    """Return `flow` if it has the form of a SoilFlow of this schema; pixels are looked at if asked for.
 
     Parameters
     ----------
@@ -94,12 +96,15 @@ def check_soil_flow(flow: "xarray.Dataset", *, name: str = "SoilFlow") -> "xarra
         What is said to be one.
     name : str, optional
         What to call it in an error message.
+    values : bool, optional
+        Whether to read every pixel, and see that the values agree: numbers where valid and only there, moving
+        within soil, frames in order, and inertial motion and velocity as camera motion and scale have it.
 
     Raises
     ------
     SoilFlowError
         If the schema version is another, or a dimension, variable, type, unit or attribute is missing or
-        wrong.
+        wrong; or, if asked for, the first value that contradicts another.
     """
     _check_attributes(flow, name)
     calibrated, gridded, bounded = (
@@ -112,6 +117,11 @@ def check_soil_flow(flow: "xarray.Dataset", *, name: str = "SoilFlow") -> "xarra
     timed = "time" not in flow.coords or flow["time"].attrs.get("units") != UNTIMED.units
     for coordinate, spec in coordinates_for(timed=timed).items():
         _check_variable(flow, coordinate, spec, name)
+    if values:
+        from soft.soilflow_values import wrong_values
+
+        for wrong in wrong_values(flow):
+            raise SoilFlowError(f"{name}: {wrong}")
     return flow
 
 

@@ -232,12 +232,13 @@ def _truth_faults(footage: Any) -> Iterator[str]:
 
 def _analysis_faults(path: Path) -> list[str]:
     import soft
+    from soft.soilflow_values import wrong_values
 
     try:
-        soft.read_soil_flow(path).close()
+        with soft.read_soil_flow(path) as flow:
+            return list(wrong_values(flow))
     except ValueError as error:
         return [_without(error, path)]
-    return []
 
 
 def _scores_faults(path: Path) -> list[str]:

@@ -8,7 +8,7 @@ import numpy as np
 
 from validation.metrics import end_point_error
 from validation.nodes import difference_at, has_node, stacked
-from validation.strata import find_strata
+from validation.strata import Strata, find_strata
 
 DIRECTION_ABOVE = 0.3
 """px a frame; slower soil has no direction worth a colour."""
@@ -47,6 +47,12 @@ class Motion:
 
         upwards = to_velocity(np.stack([self.u, self.v], axis=-1), metres_per_pixel=1.0, time_step=1.0)
         return to_polar(*upwards)[1]
+
+    @property
+    def shown_direction(self) -> np.ndarray:
+        """Direction where soil is fast enough to have one worth a colour, NaN elsewhere."""
+        with np.errstate(invalid="ignore"):
+            return np.where(self.speed > DIRECTION_ABOVE, self.direction, np.nan)
 
 
 @dataclass(frozen=True, eq=False)
@@ -121,9 +127,7 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
         truth = footage.truth(pair).load()
     found = find_strata(truth)
     here = found.masks["all"]
-    motion = Motion(
-        np.where(here, truth["u"].values - found.camera_u, np.nan), np.where(here, truth["v"].values, np.nan)
-    )
+    motion = _motion_of(truth, found)
     measured = {}
     for method in methods:
         with soft.read_soil_flow(run.analysis(method.slug)) as flow:
@@ -131,6 +135,17 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
     sequence = material.sequence
     units = Units.of(metres_per_pixel=sequence.metres_per_pixel, frame_rate=sequence.frame_rate)
     return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units)
+
+
+def true_motion(truth: "xr.Dataset") -> Motion:
+    """What the soil of one pair did, from its truth (over `y, x`)."""
+    return _motion_of(truth, find_strata(truth))
+
+
+def _motion_of(truth: "xr.Dataset", found: Strata) -> Motion:
+    here = found.masks["all"]
+    u, v = truth["u"].values - found.camera_u, truth["v"].values
+    return Motion(np.where(here, u, np.nan), np.where(here, v, np.nan))
 
 
 def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:

@@ -1,6 +1,7 @@
-"""Figures of measurements in the manner of Skonieczny et al. (2014), one function each."""
+"""Figures and films of measurements in the manner of Skonieczny et al. (2014), one function each."""
 
 from soft.figures.colours import COLOURS
+from soft.figures.film import flow_film
 from soft.figures.motion import (
     average_figure,
     bucket_figure,
@@ -22,6 +23,7 @@ __all__ = [
     "bucket_figure",
     "comparison_figure",
     "direction_figure",
+    "flow_film",
     "motion_figure",
     "picture_figure",
     "save_figure",

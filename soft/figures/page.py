@@ -34,6 +34,7 @@ _MARGIN = 0.15
 _TALLEST = 4.2
 _BAR_GAP, _BAR_WIDTH = 0.09, 0.14
 _WHEEL_CENTRE, _WHEEL_SIZE = 0.58, 0.56
+_LOGARITHMIC_TICKS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
 
 
 class FigureError(ValueError):
@@ -179,8 +180,14 @@ def colour_bar(
     axes: "Axes", image: "AxesImage", label: str, *, extend: str = "neither", ticks: Any = None
 ) -> Any:
     """A bar beside the axes that says what colours mean."""
+    from matplotlib.colors import LogNorm
+
     place = _beside(axes, _BAR_GAP, 0, _BAR_WIDTH, _height(axes))
     bar = axes.figure.colorbar(image, cax=place, extend=extend, ticks=ticks)
+    if ticks is None and isinstance(image.norm, LogNorm):
+        plain = [mark for mark in _LOGARITHMIC_TICKS if image.norm.vmin <= mark <= image.norm.vmax]
+        bar.set_ticks(plain, labels=[f"{mark:g}" for mark in plain])
+        bar.minorticks_off()
     bar.set_label(label, fontsize=_LETTERS)
     bar.ax.tick_params(labelsize=_LETTERS - 1)
     return bar

@@ -1,16 +1,19 @@
-"""VTK's XML files, as ParaView reads them: points and lines (`.vtp`), and series of them in time (`.pvd`).
+"""VTK's XML files, as ParaView reads them: lines (`.vtp`), images (`.vti`), series in time (`.pvd`).
 
 After "VTK XML file formats" of the VTK documentation: arrays are inline, base64 of a 64-bit byte count and
-the values, little-endian.
+the values, little-endian; those of images are compressed.
 """
 
 import base64
+import zlib
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 from xml.etree import ElementTree
 
 import numpy as np
 
+_IMAGE_TYPES = {"u1": ("UInt8", "u1"), "f4": ("Float32", "<f4"), "f8": ("Float64", "<f8")}
+_COMPRESSION = 1
 _TYPES = {"f": ("Float64", "<f8"), "i": ("Int64", "<i8")}
 
 
@@ -50,6 +53,39 @@ def write_polydata(
         data = ElementTree.SubElement(piece, kind)
         for name, values in (arrays or {}).items():
             _add_array(data, name, values)
+    _write(root, path)
+
+
+def write_image(path: Path, point_data: Mapping[str, np.ndarray], *, spacing: float) -> None:
+    """Write values at the pixels of an image; bytes, 32-bit and 64-bit floats keep their type.
+
+    Parameters
+    ----------
+    path : Path
+        A `.vti`.
+    point_data : dict of ndarray, shape (H, W) or (H, W, 3)
+        Named values, the lowest row first.
+    spacing : float
+        From a pixel's centre to the next; the centre of the lowest one to the left is the origin.
+    """
+    height, width = next(iter(point_data.values())).shape[:2]
+    root = _root("ImageData")
+    root.set("compressor", "vtkZLibDataCompressor")
+    extent = f"0 {width - 1} 0 {height - 1} 0 0"
+    place = {"WholeExtent": extent, "Origin": "0 0 0", "Spacing": f"{spacing!r} {spacing!r} {spacing!r}"}
+    piece = ElementTree.SubElement(ElementTree.SubElement(root, "ImageData", place), "Piece", Extent=extent)
+    data = ElementTree.SubElement(piece, "PointData")
+    for name, values in point_data.items():
+        kind, form = _IMAGE_TYPES[values.dtype.str[1:]]
+        components = values.shape[2] if values.ndim == 3 else 1
+        content = np.ascontiguousarray(values, form).tobytes()
+        packed = zlib.compress(content, _COMPRESSION)
+        # Of one block: how many, its length, that of a shorter last one (none), packed length.
+        header = np.array([1, len(content), 0, len(packed)], "<u8").tobytes()
+        array = ElementTree.SubElement(
+            data, "DataArray", type=kind, Name=name, NumberOfComponents=str(components), format="binary"
+        )
+        array.text = base64.b64encode(header).decode("ascii") + base64.b64encode(packed).decode("ascii")
     _write(root, path)
 
 

@@ -1,8 +1,11 @@
 """What is exported comes back with the same values."""
 
+import base64
 import json
 import shutil
 import subprocess
+import zlib
+from xml.etree import ElementTree
 
 import cv2
 import numpy as np
@@ -13,7 +16,7 @@ import soft
 import synth
 from synth.scene import parse_scene
 from validation.cli import run_command
-from validation.exchange import FORMATS, motion_colours
+from validation.exchange import FORMATS, Field, write_fields
 
 METHODS = ("dis", "farneback")
 
@@ -23,7 +26,7 @@ def exported(finished_run, tmp_path_factory):
     """A copy of the finished run with every format."""
     out = tmp_path_factory.mktemp("exported") / "run"
     shutil.copytree(finished_run, out)
-    for file_format in FORMATS:
+    for file_format in (*FORMATS, "mp4"):
         assert run_command(["export", str(out), "--format", file_format]) == 0
     return out
 
@@ -88,25 +91,93 @@ def test_netcdf_has_the_pictures(exported):
         np.testing.assert_array_equal(data.picture[1], footage.picture(1))
 
 
-def test_videos_show_pictures_and_motion(exported):
-    for name, count in (("pictures", 2), ("truth", 1), ("dis", 1)):
-        video = cv2.VideoCapture(str(exported / "mp4" / f"{name}.mp4"))
-        frames = []
-        while (read := video.read())[0]:
-            frames.append(read[1])
-        assert len(frames) == count
-        assert frames[0].shape == (80, 96, 3)
-    video = cv2.VideoCapture(str(exported / "mp4" / "pictures.mp4"))
-    with synth.Footage.open(exported / "footage") as footage:
-        near = np.corrcoef(video.read()[1][..., 0].ravel(), footage.picture(0).ravel())[0, 1]
-    assert near > 0.9  # a lossy codec: for looking at only
+def test_films_show_each_method(exported):
+    assert {path.name for path in (exported / "mp4").iterdir()} == {f"{name}.mp4" for name in METHODS}
+    video = cv2.VideoCapture(str(exported / "mp4" / "dis.mp4"))
+    assert int(video.get(cv2.CAP_PROP_FOURCC)).to_bytes(4, "little") == b"VP90"
+    assert video.read()[0] and not video.read()[0], "one pair, one picture"
 
 
-def test_colours_tell_direction_and_speed():
-    motion = np.array([[[2.0, 0], [0, 2.0], [-2.0, 0], [0, -2.0]], [[1.0, 0], [0, 0], [np.nan, 0], [9.0, 0]]])
-    blue_green_red = motion_colours(motion, top=2.0).tolist()
-    assert blue_green_red[0] == [[0, 0, 255], [0, 255, 127], [255, 255, 0], [255, 0, 128]]
-    assert blue_green_red[1] == [[0, 0, 128], [0, 0, 0], [96, 96, 96], [0, 0, 255]]
+@pytest.mark.parametrize("name", ["truth", *METHODS])
+def test_grid_comes_back_exactly(exported, name):
+    grid = soft.flow.FlowFiles(exported / "grid" / name).read(0, (80, 96))
+    true = expected(exported, name)[8::16, 8::16]
+    np.testing.assert_array_equal(grid.displacement[8::16, 8::16], true)
+    assert grid.valid.sum() == np.isfinite(true[..., 0]).sum()
+    lines = (exported / "grid" / name / "000000.csv").read_text().splitlines()
+    assert lines[0] == "x [px],y [px],u [px],v [px],flags"
+    assert len(lines) == 1 + 5 * 6, "nodes without motion are there, too"
+    for line in lines[1:]:
+        x, y, u, v, flags = line.split(",")
+        known = np.isfinite(expected(exported, name)[int(y), int(x), 0])
+        assert (flags, u == "nan", v == "nan") == (("0", False, False) if known else ("1", True, True))
+
+
+def test_a_method_s_own_grid_is_exported_at_its_nodes(tmp_path):
+    node = np.full((1, 4, 6), np.nan)
+    node[0, 1, 2], node[0, 3, 4] = 2.25, 4.5
+    u = np.where(np.isfinite(node), 1.5, np.nan)
+    u[0, 3, 4] = np.nan
+    names = {"u": u, "v": -u, "valid": np.isfinite(u), "node_x": node, "node_y": node - 1}
+    data = xr.Dataset({name: (("pair", "y", "x"), values) for name, values in names.items()})
+    write_fields([Field("piv", data)], None, "grid", tmp_path)
+    rows = (tmp_path / "piv" / "000000.csv").read_text().splitlines()[1:]
+    assert rows == ["2.25,1.25,1.5,-1.5,0", "4.5,3.5,nan,nan,1"]
+
+
+def test_fewer_pixels_by_stride(softbed, finished_run, tmp_path):
+    out = tmp_path / "run"
+    shutil.copytree(finished_run, out)
+    assert softbed("export", out, "--format", "csv", "--stride", 5)[0] == 0
+    x, y, u, v = np.loadtxt(out / "csv" / "dis" / "000000.csv", delimiter=",", skiprows=1).T
+    assert set(x % 5) == set(y % 5) == {2}
+    true = expected(out, "dis")[y.astype(int), x.astype(int)]
+    np.testing.assert_array_equal(np.stack([u, v], -1).astype(np.float32), true)
+    status, _, error = softbed("export", out, "--format", "flo", "--stride", 5)
+    assert status == 2 and "--stride: flo has every pixel: only for csv, grid" in error
+
+
+def read_image(path):
+    """Arrays of a `.vti` by name, and its spacing, by the rules of VTK's format."""
+    root = ElementTree.parse(path).getroot()
+    image = root.find("ImageData")
+    _, right, _, top, _, _ = (int(number) for number in image.get("WholeExtent").split())
+    arrays = {}
+    for array in root.iter("DataArray"):
+        header = np.frombuffer(base64.b64decode(array.text[:44]), "<u8")
+        assert header[0] == 1 and header[2] == 0
+        content = zlib.decompress(base64.b64decode(array.text[44:]))
+        assert len(content) == header[1] and len(base64.b64decode(array.text[44:])) == header[3]
+        form = {"Float32": "<f4", "UInt8": "u1"}[array.get("type")]
+        shape = (top + 1, right + 1, int(array.get("NumberOfComponents")))
+        arrays[array.get("Name")] = np.frombuffer(content, form).reshape(shape)
+    return arrays, [float(number) for number in image.get("Spacing").split()]
+
+
+@pytest.mark.parametrize("name", ["truth", *METHODS])
+def test_vti_comes_back_exactly_with_up_upwards(exported, name):
+    arrays, spacing = read_image(exported / "vti" / name / "000000.vti")
+    true = expected(exported, name)[::-1]
+    np.testing.assert_array_equal(arrays["displacement"][..., 0], true[..., 0])
+    np.testing.assert_array_equal(arrays["displacement"][..., 1], -true[..., 1])
+    np.testing.assert_array_equal(arrays["valid"][..., 0], np.isfinite(true[..., 0]))
+    assert spacing[0] == soft.ImageSequence.open(exported / "footage").metres_per_pixel
+    series = ElementTree.parse(exported / "vti" / f"{name}.pvd").getroot()
+    assert [part.get("file") for part in series.iter("DataSet")] == [f"{name}/000000.vti"]
+
+
+def test_vtk_itself_reads_the_same(exported):
+    vtk = pytest.importorskip("vtk", reason="the toolkit of ParaView is not installed")
+    from vtk.util.numpy_support import vtk_to_numpy
+
+    reader = vtk.vtkXMLImageDataReader()
+    reader.SetFileName(str(exported / "vti" / "dis" / "000000.vti"))
+    reader.Update()
+    image = reader.GetOutput()
+    assert image.GetDimensions() == (96, 80, 1)
+    values = vtk_to_numpy(image.GetPointData().GetArray("displacement")).reshape(80, 96, 3)
+    true = expected(exported, "dis")
+    np.testing.assert_array_equal(values[::-1, :, :2] * [1, -1], true)
 
 
 def test_an_exported_folder_is_a_method(softbed, exported):

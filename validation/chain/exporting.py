@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from contextlib import ExitStack, contextmanager
+from pathlib import Path
 
 from validation.chain.analysis import analyzed_methods
 from validation.chain.simulation import simulated_scene
@@ -11,7 +12,7 @@ from validation.manifest import RunFolderError, file_digest, key_of
 from validation.material import Material
 from validation.methods import Method
 from validation.run_folder import RunFolder
-from validation.terminal import Terminal
+from validation.terminal import Progress, Terminal
 
 
 def export_vtk(run: RunFolder, *, terminal: Terminal) -> None:
@@ -37,8 +38,20 @@ def export_vtk(run: RunFolder, *, terminal: Terminal) -> None:
         write_vtk(recording, scene, folder, progress=progress)
 
 
-def export_fields(run: RunFolder, material: Material, file_format: str, *, terminal: Terminal) -> None:
+def export_fields(
+    run: RunFolder,
+    material: Material,
+    file_format: str,
+    *,
+    stride: int | None = None,
+    terminal: Terminal,
+) -> None:
     """Write `<file_format>/`: the truth and what every method measured.
+
+    Parameters
+    ----------
+    stride : int, optional
+        Every how many pixels one is written, where the format lets that be chosen.
 
     Raises
     ------
@@ -55,14 +68,32 @@ def export_fields(run: RunFolder, material: Material, file_format: str, *, termi
         pictures=material.digest,
         truth=file_digest(material.truth) if material.has_truth else None,
         analyses={method.slug: file_digest(run.analysis(method.slug)) for method in methods},
+        stride=stride,
     )
     if skips(run, step, key, terminal):
         return
     with run.writing(step, key) as draft, terminal.progress(step) as progress:
         folder = draft.folder / file_format
         folder.mkdir()
+        if file_format == "mp4":
+            _write_films(run, material, methods, folder, progress)
+            return
         with _fields(run, material, methods) as fields:
-            write_fields(fields, material.sequence, file_format, folder, progress=progress)
+            write_fields(fields, material.sequence, file_format, folder, stride=stride, progress=progress)
+
+
+def _write_films(
+    run: RunFolder, material: Material, methods: Sequence[Method], folder: Path, progress: Progress
+) -> None:
+    """One film for each method, or one of the truth where nothing was measured."""
+    from validation.showing.film import film, truth_film
+    from validation.showing.subject import opened_subject
+
+    if not methods:
+        truth_film(material, folder / "truth.mp4", progress=progress)
+    for method in methods:
+        with opened_subject(run.path, run, material, method=method.name) as subject:
+            film(subject, folder / f"{method.slug}.mp4", progress=progress)
 
 
 @contextmanager

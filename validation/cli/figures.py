@@ -79,6 +79,35 @@ def figure(
     terminal.give({"schema_version": 1, "figure": kind, "file": str(file), "pair": chosen})
 
 
+@app.command()
+def film(
+    path: ShownPath,
+    out: Annotated[
+        Path,
+        typer.Option("--out", metavar="FILE", help="mp4 (VP9, which browsers play) or gif, by its suffix."),
+    ] = Path("film.mp4"),
+    method: ShownMethod = None,
+    colours: ColourChoice = "even",
+    results: Results = None,
+    json: Json = False,
+    debug: Debug = False,
+) -> None:
+    """Make a film of a measurement: picture, motion, and truth and error where the truth is known."""
+    from soft.figures.film_file import require_film_suffix
+    from validation.showing.film import film as make_film
+
+    terminal = Terminal(json=json)
+    require_film_suffix(out)
+    with (
+        terminal.working(),
+        _opened(path, results, method) as subject,
+        terminal.progress("film") as progress,
+    ):
+        _written(out, lambda part: make_film(subject, part, colours=colours, progress=progress))
+    terminal.show(str(out))
+    terminal.give({"schema_version": 1, "file": str(out), "pair_count": subject.pair_count})
+
+
 @contextmanager
 def _opened(path: Path, results: Path | None, method: str | None) -> "Iterator[Subject]":
     from validation.showing.subject import opened_subject

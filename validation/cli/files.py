@@ -15,21 +15,30 @@ from validation.terminal import Terminal
 def export(
     path: Annotated[Path, typer.Argument(metavar="OUT", help="A run folder, or a footage folder.")],
     file_format: Annotated[
-        Literal["vtk", "flo", "kitti", "netcdf", "csv", "mp4"],
+        Literal["vtk", "flo", "kitti", "netcdf", "csv", "grid", "vti", "mp4"],
         typer.Option(
             "--format",
             help="vtk: grains, implement and contacts for ParaView. The others: truth and measured motion; "
-            "kitti rounds to 1/64 px, mp4 is for looking at only.",
+            "vti for ParaView, grid as PIV programs have it; kitti rounds to 1/64 px, mp4 is a film of each.",
         ),
     ] = "vtk",
+    stride: Annotated[
+        int | None,
+        typer.Option(
+            min=1, help="csv, grid: every how many pixels one is written. Default: 1, 16.", show_default=False
+        ),
+    ] = None,
     out: Out = None,
     json: Json = False,
     debug: Debug = False,
 ) -> None:
     """Write what was simulated or measured in a format of other programs: OUT/FORMAT."""
     from validation import chain
+    from validation.exchange import STRIDES
     from validation.run_folder import RunFolder
 
+    if stride is not None and file_format not in STRIDES:
+        raise typer.BadParameter(f"--stride: {file_format} has every pixel: only for {', '.join(STRIDES)}")
     terminal = Terminal(json=json)
     with terminal.working():
         if file_format == "vtk":
@@ -37,7 +46,7 @@ def export(
                 chain.export_vtk(run, terminal=terminal)
         else:
             with opened_material(path, out) as (run, material):
-                chain.export_fields(run, material, file_format, terminal=terminal)
+                chain.export_fields(run, material, file_format, stride=stride, terminal=terminal)
         document = step_document(run, f"export {file_format}")
     terminal.show(_exported(run.path / file_format))
     terminal.give(document)

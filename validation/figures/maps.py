@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.pair_view import DIRECTION_ABOVE, Measured, Motion
+from validation.pair_view import Measured, Motion
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 
 _WIDTH = 6.4
 _DOTS_PER_INCH = 150
-_ERROR_RANGE = (0.01, 3.0)
+ERROR_RANGE = (0.01, 3.0)
 _MISSED = "#d62aa5"
 STRATUM_COLOURS = {"quiet": "#0072b2", "moving": "#009e73", "complex": "#d55e00"}
 """Three of Okabe and Ito's, told apart by those who do not tell red from green."""
@@ -53,11 +53,9 @@ def draw_direction(motion: Motion, picture: np.ndarray) -> "Figure":
     from soft.figures.colours import COLOURS
     from soft.figures.page import colour_wheel, show_map
 
-    with np.errstate(invalid="ignore"):
-        shown = np.where(motion.speed > DIRECTION_ABOVE, motion.direction, np.nan)
     figure, axes, extent = _map_page(picture)
     colours = COLOURS["even"].direction
-    show_map(axes, shown, extent, colours=colours, low=-np.pi, high=np.pi, opacity=1)
+    show_map(axes, motion.shown_direction, extent, colours=colours, low=-np.pi, high=np.pi, opacity=1)
     colour_wheel(axes, colours)
     return figure
 
@@ -88,15 +86,14 @@ def show_error(axes: "Axes", measured: Measured, extent: "Extent", *, colours: s
     from soft.figures.colours import find_colours
     from soft.figures.page import colour_bar, show_map
 
-    low, high = _ERROR_RANGE
+    low, high = ERROR_RANGE
     error = measured.shown(measured.error).clip(low, None)
     name = find_colours(colours).error
     image = show_map(axes, error, extent, colours=name, norm=LogNorm(low, high), opacity=1)
     if measured.missed.any():
         missed = measured.shown(np.where(measured.missed, 1.0, np.nan))
         show_mask(axes, np.isfinite(missed), extent, _MISSED)
-    bar = colour_bar(axes, image, "end-point error [px]", extend="both")
-    bar.set_ticks([0.01, 0.03, 0.1, 0.3, 1, 3], labels=["0.01", "0.03", "0.1", "0.3", "1", "3"])
+    colour_bar(axes, image, "end-point error [px]", extend="both")
     return image
 
 
