@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
-from typing import IO, Protocol
+from typing import IO, Any, Protocol
 
 import numpy as np
 
@@ -80,7 +80,7 @@ class _Video:
 
     def __init__(self, path: Path, rate: float) -> None:
         self._path, self._rate = path, rate
-        self._writer = None
+        self._writer: Any = None
 
     def add(self, picture: np.ndarray) -> None:
         import cv2
@@ -115,7 +115,7 @@ class _Gif:
             header, _ = GifImagePlugin.getheader(image, info={"loop": 0, "version": b"89a"})
             self._write(header)
             self._empty = False
-        options = {"duration": 10 * self._ticks, "include_color_table": True}
+        options: Any = {"duration": 10 * self._ticks, "include_color_table": True}
         self._write(GifImagePlugin.getdata(image, **options))
 
     def finish(self) -> None:

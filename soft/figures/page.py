@@ -5,7 +5,7 @@ display and side by side.
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
@@ -37,6 +37,9 @@ _WHEEL_CENTRE, _WHEEL_SIZE = 0.58, 0.56
 _LOGARITHMIC_TICKS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
 
 
+_Place = tuple[float, float, float, float]
+
+
 class FigureError(ValueError):
     """A figure that cannot be drawn or written; the message is one line."""
 
@@ -55,7 +58,7 @@ def save_figure(figure: "Figure", path: str | Path, *, dots_per_inch: int = DOTS
     suffix = require_suffix(path)
     # Neither date nor version; letters as letters, so that they can be searched and changed.
     nameless = {".png": {"Software": None}, ".pdf": {"CreationDate": None}, ".svg": {"Date": None}}
-    letters = {"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "softbed"}
+    letters: Any = {"pdf.fonttype": 42, "svg.fonttype": "none", "svg.hashsalt": "softbed"}
     with matplotlib.rc_context(letters):
         figure.savefig(path, dpi=dots_per_inch, metadata=nameless[suffix])
     return path
@@ -116,14 +119,14 @@ def new_page(
     return figure, grid
 
 
-def _share(size: Any, left: float, bottom: float, across: float, tall: float) -> tuple[float, ...]:
+def _share(size: Any, left: float, bottom: float, across: float, tall: float) -> "_Place":
     """A place in inches as shares of the page."""
     return left / size[0], bottom / size[1], across / size[0], tall / size[1]
 
 
 def _beside(axes: "Axes", left: float, bottom: float, across: float, tall: float, **options: Any) -> "Axes":
     """New axes beside others; inches from their lower right corner."""
-    figure = axes.figure
+    figure = _page_of(axes)
     size = figure.get_size_inches()
     corner = axes.get_position(original=True)
     place = _share(size, corner.x1 * size[0] + left, corner.y0 * size[1] + bottom, across, tall)
@@ -132,7 +135,12 @@ def _beside(axes: "Axes", left: float, bottom: float, across: float, tall: float
 
 def _height(axes: "Axes") -> float:
     """Of axes, inch."""
-    return axes.get_position(original=True).height * axes.figure.get_size_inches()[1]
+    return axes.get_position(original=True).height * _page_of(axes).get_size_inches()[1]
+
+
+def _page_of(axes: "Axes") -> "Figure":
+    """The whole page."""
+    return cast("Figure", axes.figure)
 
 
 def show_picture(
@@ -185,7 +193,8 @@ def colour_bar(
     place = _beside(axes, _BAR_GAP, 0, _BAR_WIDTH, _height(axes))
     bar = axes.figure.colorbar(image, cax=place, extend=extend, ticks=ticks)
     if ticks is None and isinstance(image.norm, LogNorm):
-        plain = [mark for mark in _LOGARITHMIC_TICKS if image.norm.vmin <= mark <= image.norm.vmax]
+        low, high = image.get_clim()
+        plain = [mark for mark in _LOGARITHMIC_TICKS if (low or 0) <= mark <= (high or 0)]
         bar.set_ticks(plain, labels=[f"{mark:g}" for mark in plain])
         bar.minorticks_off()
     bar.set_label(label, fontsize=_LETTERS)
@@ -231,7 +240,11 @@ def draw_interface(axes: "Axes", view: View, colours: Colours, *, named: bool = 
     from matplotlib.patheffects import Normal, Stroke
 
     casing = Stroke(linewidth=_INTERFACE_WIDTH + 1.4, foreground=colours.interface_casing)
-    style = {"colors": colours.interface, "linewidths": _INTERFACE_WIDTH, "path_effects": [casing, Normal()]}
+    style: Any = {
+        "colors": colours.interface,
+        "linewidths": _INTERFACE_WIDTH,
+        "path_effects": [casing, Normal()],
+    }
     if view.lines is not None:
         from matplotlib.collections import LineCollection
 
