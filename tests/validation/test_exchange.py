@@ -98,6 +98,16 @@ def test_films_show_each_method(exported):
     assert video.read()[0] and not video.read()[0], "one pair, one picture"
 
 
+def test_pictures_that_nobody_measured_make_a_film_of_the_truth(softbed, finished_run, tmp_path):
+    footage = tmp_path / "footage"
+    shutil.copytree(finished_run / "footage", footage)
+    assert softbed("export", footage, "--format", "mp4", "--out", tmp_path / "out")[0] == 0
+    (film,) = (tmp_path / "out" / "mp4").iterdir()
+    assert film.name == "truth.mp4"
+    read, picture = cv2.VideoCapture(str(film)).read()
+    assert read and picture.std() > 20
+
+
 @pytest.mark.parametrize("name", ["truth", *METHODS])
 def test_grid_comes_back_exactly(exported, name):
     grid = soft.flow.FlowFiles(exported / "grid" / name).read(0, (80, 96))
