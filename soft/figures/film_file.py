@@ -109,8 +109,10 @@ class _Gif:
     def add(self, picture: np.ndarray) -> None:
         from PIL import GifImagePlugin, Image
 
-        # Each picture brings colours of its own: what moves is not drawn in those of the first.
-        image = Image.fromarray(picture).quantize(_GIF_COLOURS, dither=Image.Dither.NONE)
+        # Each picture brings colours of its own: what moves is not drawn in those of the first. Maximum
+        # coverage keeps rare ones, those of a colour bar, where the median cut spends most on greys.
+        most = Image.Quantize.MAXCOVERAGE
+        image = Image.fromarray(picture).quantize(_GIF_COLOURS, most, dither=Image.Dither.NONE)
         if self._empty:
             header, _ = GifImagePlugin.getheader(image, info={"loop": 0, "version": b"89a"})
             self._write(header)

@@ -55,6 +55,16 @@ def test_an_mp4_is_of_a_codec_that_browsers_play(tmp_path):
     assert video.get(cv2.CAP_PROP_FPS) == 8
 
 
+def test_a_gif_keeps_rare_colours(tmp_path):
+    picture = np.repeat(np.random.default_rng(4).integers(0, 256, (200, 300, 1), np.uint8), 3, axis=2)
+    bar = np.stack([np.arange(0, 240, 8), np.arange(240, 0, -8), np.full(30, 128)], axis=-1)
+    picture[:30, :3] = bar[:, None]
+    with film_file(tmp_path / "a.gif", rate=8) as film:
+        film.add(picture)
+    (back,) = frames_of(tmp_path / "a.gif")
+    np.testing.assert_allclose(back[:30, 1], bar, atol=16)
+
+
 @pytest.mark.parametrize("suffix", [".mp4", ".gif"])
 def test_no_picture_is_held(tmp_path, suffix):
     with film_file(tmp_path / f"a{suffix}", rate=8) as film:
