@@ -1,6 +1,7 @@
 """Figures and films of measurements in the manner of Skonieczny et al. (2014), one function each."""
 
 from soft.figures.colours import COLOURS
+from soft.figures.derived import deformation_figure, gain_figure, profile_figure, streamlines_figure
 from soft.figures.film import flow_film
 from soft.figures.motion import (
     average_figure,
@@ -22,12 +23,16 @@ __all__ = [
     "average_figure",
     "bucket_figure",
     "comparison_figure",
+    "deformation_figure",
     "direction_figure",
     "flow_film",
+    "gain_figure",
     "motion_figure",
     "picture_figure",
+    "profile_figure",
     "save_figure",
     "segments_figure",
     "speed_figure",
+    "streamlines_figure",
     "write_figures",
 ]

@@ -1,7 +1,7 @@
 """Picture, speed and direction, alone and beside each other (Figs. 4, 10, 12, 13, 18, 19, 20)."""
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,33 +23,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-
-class Interface(Protocol):
-    """What is drawn of a shear interface."""
-
-    @property
-    def lines(self) -> Sequence[np.ndarray]:
-        """Polylines, each (N, 2), x and y in px."""
-        ...
-
-
-class Mean(Protocol):
-    """What is drawn of flow averaged over pairs."""
-
-    @property
-    def u(self) -> np.ndarray:
-        """Displacement to the right, (H, W) px; NaN where there is none."""
-        ...
-
-    @property
-    def v(self) -> np.ndarray:
-        """Displacement down, (H, W) px."""
-        ...
-
-    @property
-    def count(self) -> np.ndarray:
-        """Pairs that were averaged at each pixel, (H, W)."""
-        ...
+    from soft.averaging import MeanFlow
+    from soft.shear_interface import ShearInterface
 
 
 def picture_figure(
@@ -78,7 +53,7 @@ def speed_figure(
     picture: np.ndarray,
     *,
     pair: int = 0,
-    interface: Interface | None = None,
+    interface: "ShearInterface | None" = None,
     top: float | None = None,
     colours: str = "even",
 ) -> "Figure":
@@ -101,7 +76,7 @@ def speed_figure(
     """
     view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape)
-    show_speed(grid[0, 0], view, chosen, title=_title("Soil speed", flow, pair), top=top)
+    show_speed(grid[0, 0], view, chosen, title=title_of("Soil speed", flow, pair), top=top)
     return figure
 
 
@@ -110,7 +85,7 @@ def direction_figure(
     picture: np.ndarray,
     *,
     pair: int = 0,
-    interface: Interface | None = None,
+    interface: "ShearInterface | None" = None,
     arrows: bool = False,
     colours: str = "even",
 ) -> "Figure":
@@ -121,7 +96,7 @@ def direction_figure(
     """
     view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape)
-    title = _title("Direction of soil motion", flow, pair)
+    title = title_of("Direction of soil motion", flow, pair)
     show_direction(grid[0, 0], view, chosen, title=title, arrows=arrows)
     return figure
 
@@ -131,13 +106,13 @@ def motion_figure(
     picture: np.ndarray,
     *,
     pair: int = 0,
-    interface: Interface | None = None,
+    interface: "ShearInterface | None" = None,
     colours: str = "even",
 ) -> "Figure":
     """Show speed above direction (Fig. 4). Parameters are those of `speed_figure`."""
     view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape, rows=2)
-    show_speed(grid[0, 0], view, chosen, title=_title("Soil speed", flow, pair))
+    show_speed(grid[0, 0], view, chosen, title=title_of("Soil speed", flow, pair))
     show_direction(grid[1, 0], view, chosen, title="Direction of soil motion", named=False)
     return figure
 
@@ -147,7 +122,7 @@ def bucket_figure(
     picture: np.ndarray,
     *,
     pair: int = 0,
-    interface: Interface | None = None,
+    interface: "ShearInterface | None" = None,
     colours: str = "even",
 ) -> "Figure":
     """Show where a tool pushes soil: direction with arrows, above its speed (Fig. 20).
@@ -156,7 +131,7 @@ def bucket_figure(
     """
     view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape, rows=2)
-    title = _title("Direction of soil motion", flow, pair)
+    title = title_of("Direction of soil motion", flow, pair)
     show_direction(grid[0, 0], view, chosen, title=title, arrows=True)
     show_speed(grid[1, 0], view, chosen, title="Soil speed", named=False)
     return figure
@@ -164,11 +139,11 @@ def bucket_figure(
 
 def average_figure(
     flow: "xarray.Dataset",
-    mean: Mean,
+    mean: "MeanFlow",
     picture: np.ndarray,
     *,
     pair: int = 0,
-    interface: Interface | None = None,
+    interface: "ShearInterface | None" = None,
     colours: str = "even",
 ) -> "Figure":
     """Show the speed of a single pair beside that of the average over pairs, on one scale (Figs. 12, 13).
@@ -187,13 +162,15 @@ def average_figure(
     averaged = mean_view(mean, picture, units=Units.of_flow(flow, pair), interface=interface)
     top = top_of(single.speed)
     figure, grid = new_page(picture.shape, rows=2)
-    show_speed(grid[0, 0], single, chosen, title=_title("Single pair", flow, pair), top=top, outlined=False)
-    title = f"Average over {int(np.max(mean.count))} pairs"
+    show_speed(grid[0, 0], single, chosen, title=title_of("Single pair", flow, pair), top=top, outlined=False)
+    title = f"Average over {len(mean.pairs)} pairs"
     show_speed(grid[1, 0], averaged, chosen, title=title, top=top, outlined=interface is not None)
     return figure
 
 
-def mean_view(mean: Mean, picture: np.ndarray, *, units: Units, interface: Interface | None = None) -> View:
+def mean_view(
+    mean: "MeanFlow", picture: np.ndarray, *, units: Units, interface: "ShearInterface | None" = None
+) -> View:
     """Averaged flow as displayed; every pixel that has an average counts as moving soil."""
     shown = np.isfinite(mean.u) & np.isfinite(mean.v)
     lines = None if interface is None else interface.lines
@@ -204,7 +181,7 @@ def comparison_figure(
     runs: "Sequence[tuple[str, xarray.Dataset, np.ndarray]]",
     *,
     pair: int = 0,
-    interfaces: Sequence[Interface | None] | None = None,
+    interfaces: "Sequence[ShearInterface | None] | None" = None,
     colours: str = "even",
 ) -> "Figure":
     """Show runs beside each other, speed above direction (Figs. 18, 19): rolling beside pushed, say.
@@ -278,10 +255,11 @@ def show_direction(
         colour_wheel(axes, colours.direction)
 
 
-def _view(flow: "xarray.Dataset", picture: np.ndarray, pair: int, interface: Interface | None) -> View:
+def _view(flow: "xarray.Dataset", picture: np.ndarray, pair: int, interface: "ShearInterface | None") -> View:
     return view_of_pair(flow, picture, pair, lines=None if interface is None else interface.lines)
 
 
-def _title(what: str, flow: "xarray.Dataset", pair: int) -> str:
+def title_of(what: str, flow: "xarray.Dataset", pair: int) -> str:
+    """A title that says which frames and which method."""
     first, second = int(flow["first_frame"][pair]), int(flow["second_frame"][pair])
     return f"{what}, frames {first} to {second} ({flow.attrs['method']})"

@@ -22,7 +22,7 @@ SUFFIXES = (".png", ".pdf", ".svg")
 # inch. The text width of a printed page, so that letters keep their size in print.
 PAGE_WIDTH = 7.0
 DOTS_PER_INCH = 200
-_LETTERS = 9  # points
+LETTERS = 9  # points
 _OVERLAY_OPACITY = 0.9
 _INTERFACE_WIDTH = 1.4
 _FAINT_BLACK = -350.0
@@ -114,7 +114,7 @@ def new_page(
     for row, column in np.ndindex(rows, columns):
         left, bottom = _LEFT + column * step_x, size[1] - row * step_y - _ABOVE - tall
         axes = figure.add_axes(_share(size, left, bottom, across, tall))
-        axes.tick_params(labelsize=_LETTERS - 1, labelbottom=row == rows - 1, labelleft=column == 0)
+        axes.tick_params(labelsize=LETTERS - 1, labelbottom=row == rows - 1, labelleft=column == 0)
         grid[row, column] = axes
     return figure, grid
 
@@ -156,10 +156,10 @@ def show_picture(
     black = _FAINT_BLACK if faint else 0
     shown = axes.imshow(picture, cmap="gray", vmin=black, vmax=255, extent=extent, interpolation="nearest")
     if axes.xaxis.get_tick_params()["labelbottom"]:
-        axes.set_xlabel(f"x [{length_name}]", fontsize=_LETTERS)
+        axes.set_xlabel(f"x [{length_name}]", fontsize=LETTERS)
     if axes.yaxis.get_tick_params()["labelleft"]:
-        axes.set_ylabel(f"y, down [{length_name}]", fontsize=_LETTERS)
-    axes.set_title(title, fontsize=_LETTERS + 1, loc="left")
+        axes.set_ylabel(f"y, down [{length_name}]", fontsize=LETTERS)
+    axes.set_title(title, fontsize=LETTERS + 1, loc="left")
     axes.set_xlim(extent[0], extent[1])
     axes.set_ylim(extent[2], extent[3])
     return shown
@@ -197,8 +197,8 @@ def colour_bar(
         plain = [mark for mark in _LOGARITHMIC_TICKS if (low or 0) <= mark <= (high or 0)]
         bar.set_ticks(plain, labels=[f"{mark:g}" for mark in plain])
         bar.minorticks_off()
-    bar.set_label(label, fontsize=_LETTERS)
-    bar.ax.tick_params(labelsize=_LETTERS - 1)
+    bar.set_label(label, fontsize=LETTERS)
+    bar.ax.tick_params(labelsize=LETTERS - 1)
     return bar
 
 
@@ -224,7 +224,7 @@ def colour_wheel(axes: "Axes", colours: str) -> "Axes":
     for name, turn in (("right", 0.0), ("up", 0.5), ("left", 1.0), ("down", 1.5)):
         side = {"right": "left", "left": "right"}.get(name, "center")
         wheel.text(
-            turn * np.pi, 1.12, name, fontsize=_LETTERS - 2, ha=side,
+            turn * np.pi, 1.12, name, fontsize=LETTERS - 2, ha=side,
             va={"up": "bottom", "down": "top"}.get(name, "center"),
         )  # fmt: skip
     wheel.grid(visible=False)
@@ -257,7 +257,7 @@ def draw_interface(axes: "Axes", view: View, colours: Colours, *, named: bool = 
         outline.set(linewidths=_INTERFACE_WIDTH, path_effects=[casing, Normal()])
     if named:
         axes.plot([], [], color=colours.interface, linewidth=_INTERFACE_WIDTH, label="shear interface")
-        axes.legend(loc="lower left", framealpha=0.9, fontsize=_LETTERS - 1)
+        axes.legend(loc="lower left", framealpha=0.9, fontsize=LETTERS - 1)
 
 
 def draw_arrows(axes: "Axes", view: View, colours: Colours, *, across: int = 26) -> None:
@@ -276,10 +276,11 @@ def draw_arrows(axes: "Axes", view: View, colours: Colours, *, across: int = 26)
     )  # fmt: skip
 
 
-def note(axes: "Axes", words: str) -> None:
-    """Say something in the lower left corner."""
+def note(axes: "Axes", words: str, *, right: bool = False) -> None:
+    """Say something in the lower left corner, or the right one."""
+    x, side = (0.98, "right") if right else (0.02, "left")
     box = {"facecolor": "white", "alpha": 0.9, "edgecolor": "none"}
-    axes.text(0.02, 0.04, words, transform=axes.transAxes, bbox=box, fontsize=_LETTERS - 1)
+    axes.text(x, 0.04, words, ha=side, transform=axes.transAxes, bbox=box, fontsize=LETTERS - 1)
 
 
 def plain_axes(axes: "Axes") -> "Axes":
@@ -287,5 +288,5 @@ def plain_axes(axes: "Axes") -> "Axes":
     axes.spines[["top", "right"]].set_visible(False)
     axes.grid(color="0.9", linewidth=0.6)
     axes.set_axisbelow(True)
-    axes.tick_params(labelsize=_LETTERS - 1)
+    axes.tick_params(labelsize=LETTERS - 1)
     return axes

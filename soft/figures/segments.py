@@ -1,6 +1,6 @@
 """Two methods beside each other at points that one of them follows (Fig. 11)."""
 
-from typing import TYPE_CHECKING, Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,26 +13,18 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-# Segments are drawn this many times as long as the motion, if that leaves the longest below a 25th of the
-# picture: motion from a picture to the next is short.
+    from soft.cross_validation import CrossValidation
+
+# Motion from a picture to the next is short: segments are drawn this many times as long, as far as that
+# leaves usual ones below a 25th of the picture and twice the way from a point to the next.
 _LENGTHENINGS = (1, 2, 5, 10)
 _LONGEST = 0.04
-
-
-class Compared(Protocol):
-    """What is drawn of a cross-validation."""
-
-    points: np.ndarray  # (N, 2) x, y px
-    sift: np.ndarray  # (N, 2) u, v px
-    flow: np.ndarray  # (N, 2) u, v px
-    agree: np.ndarray  # (N,) bool
-    threshold: float  # px
-    match_count: int
-    agreement: float  # share
+# A wrong match may leap across the picture: its segment is cut at this share of the picture's width.
+_CUT = 0.12
 
 
 def segments_figure(
-    compared: Compared,
+    compared: "CrossValidation",
     picture: np.ndarray,
     *,
     metres_per_pixel: float | None = None,
@@ -41,7 +33,8 @@ def segments_figure(
     """Show motion at key points as SIFT follows them, above what the flow says there (Fig. 11).
 
     In the camera's frame. Segments start at a point and end where it goes, drawn longer by a stated factor
-    where motion is short; blue where both agree within the threshold, red and thicker where they do not.
+    where motion is short; blue where both agree within the threshold, red and thicker where they do not. One
+    that would be longer than an eighth of the picture is cut, and that is said.
 
     Parameters
     ----------
@@ -60,24 +53,42 @@ def segments_figure(
     figure, grid = new_page(picture.shape, rows=2, beside=False)
     extent, shown = extent_of(picture.shape, units), smoothed(picture, stride_of(picture.shape))
     drawn = "" if factor == 1 else f", drawn {factor} times as long"
+    longest = _CUT * picture.shape[1]
     for axes, motion, name in zip(grid[:, 0], (compared.sift, compared.flow), ("SIFT", "Flow"), strict=True):
-        title = f"{name}: motion at {compared.match_count} key points{drawn}"
+        title = f"{name}: motion at {len(compared.points)} key points{drawn}"
         show_picture(axes, shown, extent, units.length_name, title=title, faint=True)
-        _draw_segments(axes, compared, motion * factor, units.length, chosen)
-    note(grid[1, 0], f"{compared.agreement:.1%} agree within {compared.threshold:g} px")
+        _draw_segments(axes, compared, _cut(motion * factor, longest), units.length, chosen)
+    note(grid[1, 0], _in_words(compared))
+    if cut := int((np.hypot(*(compared.sift * factor).T) > longest).sum()):
+        note(grid[0, 0], f"{cut} segment{'s' if cut > 1 else ''} cut short", right=True)
     _explain(grid[0, 0], chosen)
     return figure
+
+
+def _in_words(compared: "CrossValidation") -> str:
+    matched = f"{compared.match_count} of {compared.keypoint_count} features matched"
+    if not len(compared.points):
+        return f"{matched}: nothing to compare"
+    return f"{compared.agreement:.1%} agree within {compared.threshold:g} px; {matched}"
 
 
 def _lengthening(motion: np.ndarray, shape: tuple[int, ...]) -> int:
     length = np.hypot(motion[:, 0], motion[:, 1])
     usual = float(np.percentile(length, 95)) if length.size else 0.0
-    fitting = [factor for factor in _LENGTHENINGS if factor * usual <= _LONGEST * shape[1]]
+    apart = float(np.sqrt(shape[0] * shape[1] / max(length.size, 1)))
+    longest = min(_LONGEST * shape[1], 2 * apart)
+    fitting = [factor for factor in _LENGTHENINGS if factor * usual <= longest]
     return max(fitting, default=1)
 
 
+def _cut(motion: np.ndarray, longest: float) -> np.ndarray:
+    """Vectors (N, 2) no longer than this."""
+    length = np.hypot(motion[:, 0], motion[:, 1])
+    return motion * (longest / np.maximum(length, longest))[:, None]
+
+
 def _draw_segments(
-    axes: "Axes", compared: Compared, motion: np.ndarray, scale: float, colours: Colours
+    axes: "Axes", compared: "CrossValidation", motion: np.ndarray, scale: float, colours: Colours
 ) -> None:
     from matplotlib.collections import LineCollection
 

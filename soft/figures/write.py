@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 from soft.figures.motion import direction_figure, picture_figure, speed_figure
 from soft.figures.page import save_figure
 from soft.sequence import ImageSequence
+from soft.shear_interface import shear_interface_of
 
 if TYPE_CHECKING:
     import xarray
@@ -47,9 +48,10 @@ def write_figures(
     folder = Path(folder)
     folder.mkdir(parents=True, exist_ok=True)
     scale = flow.attrs.get("metres_per_pixel")
+    line = shear_interface_of(flow, pair=pair)
     makers: dict[str, Callable[[], Figure]] = {
         "picture": lambda: picture_figure(picture, metres_per_pixel=scale, title=f"Frame {frame}"),
-        "speed": lambda: speed_figure(flow, picture, pair=pair, colours=colours),
-        "direction": lambda: direction_figure(flow, picture, pair=pair, colours=colours),
+        "speed": lambda: speed_figure(flow, picture, pair=pair, interface=line, colours=colours),
+        "direction": lambda: direction_figure(flow, picture, pair=pair, interface=line, colours=colours),
     }
     return [save_figure(make(), folder / f"{name}-{pair:04d}.png") for name, make in makers.items()]

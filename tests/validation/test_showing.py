@@ -75,7 +75,7 @@ def test_distribution_tells_its_bounds(view):
     assert np.interp(0.299, *curve.get_data()) == pytest.approx(100 * 2600 / 5300, abs=0.2)
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != "compare"])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if kind not in ("compare", "gain")])
 def test_every_kind_from_the_command_line(softbed, finished_run, tmp_path, kind):
     out = tmp_path / f"{kind}.png"
     status, output, error = softbed("figure", kind, finished_run, "--method", "dis", "--out", out, "--json")
@@ -99,6 +99,7 @@ def test_runs_beside_each_other(softbed, finished_run, tmp_path):
 @pytest.mark.parametrize(
     ("arguments", "complaint"),
     [
+        (("gain",), "average over 1 pair: at least 2 are needed to tell what it gains"),
         (("speeed",), "'speeed': no such kind of figure: allowed are picture, speed"),
         (("speed", "--pair", 3), "--pair: 3: out has 1 pairs, 0 to 0"),
         (("speed", "--method", "tvl1"), "analyzed with dis, farneback: run `softbed analyze"),

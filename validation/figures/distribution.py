@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
 _BOUNDS = {50: ("median", "-"), 95: ("95 %", "--")}
 _SHOWN = 99.0
-_LEAST_RANGE = 0.5
+_LEAST_RANGE = 0.1
 _SHADE = {50: "#4c78a8", 95: "#b5cbe3", 100: "#e3e3e3"}
 
 
@@ -97,7 +97,7 @@ def distribution_figure(
     right.set_ylabel("pixels within [%]", fontsize=9)
     right.set_ylim(0, 102)
     left.set_title(f"Motion error, {error.size} pixels{name and f' ({name})'}", fontsize=10, loc="left")
-    left.legend(frameon=False, fontsize=8)
+    left.legend(framealpha=1, edgecolor="none", fontsize=8)
     right.legend(frameon=False, fontsize=8, loc="lower right")
     return figure
 

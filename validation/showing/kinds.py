@@ -65,25 +65,64 @@ def _picture(order: Order) -> "Figure":
     return picture_figure(picture, metres_per_pixel=scale, title=f"{order.subject.name}, frame {frame}")
 
 
-def _measured(name: str) -> "Callable[[Order], Figure]":
-    def draw(order: Order) -> "Figure":
-        from soft import figures
+def _measured(name: str, *, interface: bool = True, **options: str) -> "Callable[[Order], Figure]":
+    """Draw by a function of `soft.figures` that takes a flow and a picture."""
 
+    def draw(order: Order) -> "Figure":
+        from soft import figures, shear_interface_of
+
+        subject, pair = order.subject, order.pair
+        line = {"interface": shear_interface_of(subject.flow, pair=pair)} if interface else {}
         make = getattr(figures, name)
-        subject = order.subject
-        return make(subject.flow, subject.picture(order.pair), pair=order.pair, colours=order.colours)
+        return make(subject.flow, subject.picture(pair), pair=pair, colours=order.colours, **line, **options)
 
     return draw
 
 
+def _sift(order: Order) -> "Figure":
+    import numpy as np
+
+    from soft import cross_validate, segments_figure
+
+    subject = order.subject
+    part = subject.flow[["u", "v", "valid", "soil"]].isel(pair=order.pair).load()
+    second = subject.material.sequence[int(subject.flow["second_frame"][order.pair])]
+    first = subject.picture(order.pair)
+    displacement = np.stack([part["u"].to_numpy(), part["v"].to_numpy()], axis=-1)
+    soil, valid = part["soil"].to_numpy(), part["valid"].to_numpy()
+    compared = cross_validate(first, second, displacement, valid, mask=soil)
+    scale = subject.flow.attrs.get("metres_per_pixel")
+    return segments_figure(compared, first, metres_per_pixel=scale, colours=order.colours)
+
+
+def _average(order: Order) -> "Figure":
+    from soft import average_figure, average_flow, moving_mask
+    from soft.shear_interface import shear_interface
+
+    flow, picture = order.subject.flow, order.subject.picture(order.pair)
+    mean = average_flow(flow)
+    region = moving_mask(mean.speed, mean.soil, seed=int(flow.attrs.get("seed", 0)))
+    line = None
+    if region.found:
+        line = shear_interface(mean.speed, region.mask, threshold=region.threshold, soil=mean.soil)
+    return average_figure(flow, mean, picture, pair=order.pair, interface=line, colours=order.colours)
+
+
+def _gain(order: Order) -> "Figure":
+    from soft import average_flow, gain_figure
+
+    return gain_figure(average_flow(order.subject.flow))
+
+
 def _compare(order: Order) -> "Figure":
-    from soft.figures import comparison_figure
+    from soft import comparison_figure, shear_interface_of
 
     if order.other is None:
         raise RunFolderError("compare: needs what to set beside: give --with PATH")
     both = (order.subject, order.other)
     runs = [(one.name, one.flow, one.picture(order.pair)) for one in both]
-    return comparison_figure(runs, pair=order.pair, colours=order.colours)
+    lines = [shear_interface_of(one.flow, pair=order.pair) for one in both]
+    return comparison_figure(runs, pair=order.pair, interfaces=lines, colours=order.colours)
 
 
 def _truth(order: Order) -> "Figure":
@@ -119,7 +158,15 @@ KINDS = {
     "direction": Kind("direction and colour wheel (Fig. 19)", _measured("direction_figure")),
     "motion": Kind("speed above direction (Fig. 4)", _measured("motion_figure")),
     "bucket": Kind("where a tool pushes soil, with arrows (Fig. 20)", _measured("bucket_figure")),
+    "sift": Kind("motion at key points against SIFT (Fig. 11)", _sift),
+    "average": Kind("one pair above the average of all (Figs. 12, 13)", _average),
+    "gain": Kind("what averaging gains, beside the square root of N", _gain),
     "compare": Kind("two runs beside each other (Figs. 18, 19); --with PATH", _compare),
+    "shear": Kind("shear rate", _measured("deformation_figure", quantity="shear")),
+    "rotation": Kind("rotation rate", _measured("deformation_figure", quantity="rotation")),
+    "dilation": Kind("dilation rate, the divergence", _measured("deformation_figure", quantity="dilation")),
+    "streamlines": Kind("lines along which soil moves", _measured("streamlines_figure")),
+    "profile": Kind("velocity over depth below the wheel", _measured("profile_figure", interface=False)),
     "truth": Kind("truth beside measurement (Fig. 6)", _truth),
     "error": Kind("error at each pixel (Fig. 7)", _error),
     "distribution": Kind("error by magnitude, with its bounds (Figs. 8, 9)", _distribution),

@@ -1,11 +1,12 @@
-from dataclasses import dataclass
-
 import numpy as np
 import pytest
 from matplotlib.image import imread
 
 from soft import (
+    AveragingGain,
     ImageSequence,
+    MeanFlow,
+    ShearInterface,
     analyze,
     average_figure,
     bucket_figure,
@@ -16,18 +17,6 @@ from soft import (
     speed_figure,
     write_figures,
 )
-
-
-@dataclass(frozen=True)
-class Line:
-    lines: tuple
-
-
-@dataclass(frozen=True)
-class Averaged:
-    u: np.ndarray
-    v: np.ndarray
-    count: np.ndarray
 
 
 @pytest.fixture(scope="module")
@@ -115,7 +104,7 @@ def test_the_wheel_has_the_colours_of_the_map(measured):
 def test_a_measured_interface_takes_the_place_of_the_outline(measured):
     flow, sequence = measured
     line = np.array([[10.0, 20.0], [30.0, 40.0], [50.0, 20.0]])
-    axes = speed_figure(flow, sequence[0], interface=Line((line,))).axes[0]
+    axes = speed_figure(flow, sequence[0], interface=ShearInterface((line,), "")).axes[0]
     (drawn,) = axes.collections
     np.testing.assert_allclose(drawn.get_segments()[0], line * 0.2)
 
@@ -133,7 +122,11 @@ def test_no_interface_is_drawn_where_soil_ends(measured):
 def test_single_pair_and_average_have_one_scale(measured):
     flow, sequence = measured
     half = flow.isel(pair=0)
-    mean = Averaged(half["inertial_u"].values / 2, half["inertial_v"].values / 2, np.full((160, 220), 7))
+    u, v = half["inertial_u"].values / 2, half["inertial_v"].values / 2
+    nothing = np.zeros(0)
+    gain = AveragingGain(nothing, nothing, nothing, nothing)
+    everywhere = np.ones(u.shape, bool)
+    mean = MeanFlow(u, v, 7 * everywhere, 0 * u, 0 * u, everywhere, tuple(range(7)), gain)
     single, averaged, *_ = average_figure(flow, mean, sequence[0]).axes
     assert single.get_images()[1].get_clim() == averaged.get_images()[1].get_clim()
     assert np.nanmax(shown_on(averaged)) == pytest.approx(np.nanmax(shown_on(single)) / 2, rel=1e-6)

@@ -1,26 +1,17 @@
-from dataclasses import dataclass
-
 import numpy as np
 
-from soft import segments_figure
-
-
-@dataclass(frozen=True)
-class Compared:
-    points: np.ndarray
-    sift: np.ndarray
-    flow: np.ndarray
-    agree: np.ndarray
-    threshold: float
-    match_count: int
-    agreement: float
+from soft import CrossValidation, segments_figure
 
 
 def compared(motion):
     points = np.array([[20.0, 30.0], [120.0, 60.0], [200.0, 100.0]])
     sift = np.tile(motion, (3, 1))
     flow = sift + np.array([[0.1, 0], [0, 2.0], [0.2, 0.2]])
-    return Compared(points, sift, flow, np.array([True, False, True]), 0.56, 3, 2 / 3)
+    error, agree = np.hypot(*(flow - sift).T), np.array([True, False, True])
+    return CrossValidation(
+        points, sift, flow, error, agree, 0.56, keypoint_count=9, match_count=4, unmeasured_count=1,
+        agreement=2 / 3,
+    )  # fmt: skip
 
 
 def test_segments_go_from_where_a_point_is_to_where_it_goes():
@@ -50,8 +41,24 @@ def test_short_motion_is_drawn_longer_and_that_is_said():
     assert axes[0].get_xlabel() == "" and axes[1].get_xlabel() == "x [mm]"
 
 
+def test_a_leap_is_cut_and_that_is_said():
+    one = compared([1.0, 0.0])
+    one.sift[1] = (200.0, 0.0)
+    panel = segments_figure(one, np.full((160, 300), 128.0)).axes[0]
+    (segment,) = panel.collections[1].get_segments()
+    np.testing.assert_allclose(segment[1] - segment[0], [0.12 * 300, 0], atol=1e-9)
+    assert "1 segment cut short" in [text.get_text() for text in panel.texts]
+
+
 def test_the_share_is_told():
-    texts = [
-        text.get_text() for text in segments_figure(compared([1.0, 0.0]), np.zeros((160, 300))).axes[1].texts
-    ]
-    assert texts == ["66.7% agree within 0.56 px"]
+    axes = segments_figure(compared([1.0, 0.0]), np.zeros((160, 300))).axes
+    assert axes[0].get_title(loc="left").startswith("SIFT: motion at 3 key points")
+    texts = [text.get_text() for text in axes[1].texts]
+    assert texts == ["66.7% agree within 0.56 px; 4 of 9 features matched"]
+
+
+def test_nothing_to_compare_is_said():
+    none, nobody = np.zeros((0, 2)), np.zeros(0, bool)
+    empty = CrossValidation(none, none, none, np.zeros(0), nobody, 0.56, 5, 0, 0, np.nan)
+    texts = [text.get_text() for text in segments_figure(empty, np.zeros((160, 300))).axes[1].texts]
+    assert texts == ["0 of 5 features matched: nothing to compare"]
