@@ -1,6 +1,7 @@
 """`softbed analyze` and `softbed calibrate-camera` on pictures of one's own."""
 
 import json
+import re
 import shutil
 import subprocess
 import sys
@@ -105,7 +106,12 @@ def test_video(softbed, photographs):
         assert flow["camera_u"].values == pytest.approx([-3, -3, -3], abs=0.05)
         assert flow.attrs["frame_rate"] == pytest.approx(25)
     assert film.read_bytes() == before
-    assert list((photographs.parent / "rig-softbed" / "figures").rglob("*.png"))
+    figures = photographs.parent / "rig-softbed" / "figures" / "farneback"
+    assert list(figures.glob("*.png"))
+    assert (figures / "interface-0000.csv").read_text() == "line,x_px,y_px\n", "nothing moves in the soil"
+    assert "shear interface of pair 0: no moving region" in error
+    agreement = re.search(r"SIFT on pair 0: .*flow agrees with ([\d.]+)% within 0.56 px", error)
+    assert float(agreement[1]) > 90
 
 
 @pytest.mark.parametrize(

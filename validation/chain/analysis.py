@@ -2,6 +2,7 @@
 
 import shutil
 from collections.abc import Sequence
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.chain.scoring import require_truth
@@ -13,7 +14,9 @@ from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 
 if TYPE_CHECKING:
-    from soft import AnalysisSettings
+    import xarray as xr
+
+    from soft import AnalysisSettings, ImageSequence
 
 _NEVER_SKIPPED = "a function of your own, whose code may have changed"
 
@@ -85,7 +88,29 @@ def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, termi
             folder.mkdir(parents=True)
             with soft.read_soil_flow(path) as flow:
                 soft.write_figures(flow, material.sequence, folder)
+                _tell_first_pair(slug, flow, material.sequence, folder, terminal)
             progress(done, len(paths))
+
+
+def _tell_first_pair(
+    slug: str, flow: "xr.Dataset", sequence: "ImageSequence", folder: Path, terminal: Terminal
+) -> None:
+    """Write the shear interface of the pair that figures show; say how well its flow agrees with SIFT."""
+    import numpy as np
+
+    import soft
+
+    interface = soft.shear_interface_of(flow)
+    soft.write_interface(
+        interface, folder / "interface-0000.csv", metres_per_pixel=flow.attrs.get("metres_per_pixel")
+    )
+    terminal.say(f"  {slug}, shear interface of pair 0: {interface.remark}")
+    pair = flow[["u", "v", "valid", "soil", "first_frame", "second_frame"]].isel(pair=0).load()
+    first, second = (sequence[int(pair[name])] for name in ("first_frame", "second_frame"))
+    displacement = np.stack([pair["u"].values, pair["v"].values], axis=2)
+    mask = pair["soil"].values
+    check = soft.cross_validate(first, second, displacement, pair["valid"].values, mask=mask)
+    terminal.say(f"  {slug}, SIFT on pair 0: {check.remark}")
 
 
 def analyzed_methods(run: RunFolder, material: Material, *, terminal: Terminal) -> list[Method]:
