@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
 from synth.camera.implement_face import ImplementFace, face_of
+from synth.camera.samples import in_groups
 from synth.camera.tiles import TILE, TiledGrains, sort_into_tiles
 from synth.camera.view import View
 
@@ -29,8 +30,8 @@ class Cover:
     view : View
     tiled : TiledGrains
     face : ImplementFace or None
-    samples : (S (H + 2 margin), S (W + 2 margin)) int32
-        Key of the foremost micro-grain, `cover_kernels.IMPLEMENT` or `cover_kernels.NOTHING`.
+    samples : (H + 2 margin, W + 2 margin, S, S) int32
+        Every pixel's samples, by row and column: key of the foremost micro-grain, `cover_kernels.IMPLEMENT` or `cover_kernels.NOTHING`.
     centres : (H, W) int32
         The same at the pixels' centres, exactly.
     soil : (H, W) bool
@@ -78,27 +79,18 @@ def cover(
     margin = max(math.ceil(4 * scene.lens.blur) + 1, VOID_REACH)
     sampling = scene.camera.supersampling
     tiled = sort_into_tiles(grains, placement, view, sampling, margin)
-    shape = sampling * (view.height + 2 * margin), sampling * (view.width + 2 * margin)
-    samples = np.empty(shape, np.int32) if reuse is None else reuse.samples
-    centres = np.empty((view.height, view.width), np.int32)
-    cover_kernels.cover_by_grains(
-        tiled.first,
-        tiled.columns,
-        tiled.place,
-        tiled.key,
-        sampling,
-        margin,
-        TILE,
-        samples.shape[1],
-        centres.shape[1],
-        samples.ravel(),
-        centres.ravel(),
+    shape = view.height + 2 * margin, view.width + 2 * margin
+    samples = np.empty((*shape, sampling, sampling), np.int32) if reuse is None else reuse.samples
+    centres = np.empty(shape, np.int32)
+    cover_kernels.cover_by_grains(sampling)(
+        tiled.first, tiled.columns, tiled.place, tiled.key, TILE, in_groups(samples), centres
     )
     if face is not None:
         numbers = cover_kernels.projection.numbers(view.numbers)
         cover_kernels.cover_by_implement(
             face.x, face.y, face.parts, numbers, sampling, margin, face.box(margin), samples, centres
         )
+    centres = centres[margin:-margin, margin:-margin].copy()
     soil = _soil(centres)
     return Cover(view, tiled, face, samples, centres, soil, sampling, margin)
 

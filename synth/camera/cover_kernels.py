@@ -2,17 +2,20 @@
 """Taichi kernels of what covers what. Import only after `synth.devices.start_taichi`.
 
 Image coordinates throughout: px, y down, integer at pixel centres. Samples lie S x S to a pixel in a buffer
-that is wider than the picture by a margin of whole pixels: sample (j, i) is at the image coordinates
-((i + 0.5) / S - 0.5 - margin, (j + 0.5) / S - 0.5 - margin).
+that is wider than the picture by a margin of whole pixels (`synth.camera.samples`): sample (j, i, b, a) is at
+the image coordinates (i - margin + (a + 0.5) / S - 0.5, j - margin + (b + 0.5) / S - 0.5).
 
 A buffer of samples holds keys (`synth.camera.tiles`): `IMPLEMENT` in front of everything, the foremost
 micro-grain's, or `NOTHING`. Every tile has one writer, and the least key wins whatever the order of writing:
 results are the same on any number of threads.
 """
 
+from functools import lru_cache
+
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.samples import rows_at_once
 from synth.camera.shares import SHARES
 
 NOTHING = 2**31 - 1
@@ -22,6 +25,7 @@ _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
+_i32_samples = ti.types.ndarray(dtype=ti.i32, ndim=4)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 box_vector = ti.types.vector(4, ti.i32)
@@ -50,141 +54,92 @@ def fill_discs(x: _f64, y: _f64, radius: _f64, mask: _u8_table):
                 mask[j, i] = ti.u8(1)
 
 
-@ti.func
-def _cover_window(
-    samples: ti.template(), start, stride, height, width, x, y, radius, depth, size: ti.template()
-):
-    """Put a disc that `size` samples in a row and as many rows hold into a tile that starts at `start`.
+@lru_cache(maxsize=None)
+def cover_by_grains(sampling: int):
+    """Kernel that covers samples, S x S to a pixel, and pixel centres by grains: see `_cover_tile`.
 
-    The square of samples around it is shifted into the tile. Neither loop nor branch: which samples lie in
-    a small disc is too irregular to be foreseen.
+    Its arguments: the tiles' first grains, tiles in a row, the grains' places and keys, the side of a tile in px,
+    the samples in groups (`synth.camera.samples`), and the pixels' centres, margin and all.
     """
-    low_i = ti.max(ti.min(ti.cast(ti.ceil(x - radius), ti.i32), width - size), 0)
-    low_j = ti.max(ti.min(ti.cast(ti.ceil(y - radius), ti.i32), height - size), 0)
-    at = start + low_j * stride + low_i
-    off_x, off_y, square = ti.cast(low_i, ti.f32) - x, ti.cast(low_j, ti.f32) - y, radius * radius
-    for b in ti.static(range(size)):
-        down = off_y + ti.cast(b, ti.f32)
-        rest = square - down * down
-        for a in ti.static(range(size)):
-            across = off_x + ti.cast(a, ti.f32)
-            own = ti.select(across * across <= rest, depth, NOTHING)
-            samples[at + a] = ti.min(samples[at + a], own)
-        at += stride
+    rows = rows_at_once(sampling)
+    groups = ti.types.ndarray(dtype=ti.types.vector(rows * sampling, ti.i32), ndim=3)
+
+    @ti.kernel
+    def kernel(
+        first: _i32,
+        columns: ti.i32,
+        place: _f32_table,
+        key: _i32,
+        tile: ti.template(),
+        samples: groups,
+        centres: _i32_table,
+    ):
+        for share in range((first.shape[0] - 1) * SHARES):
+            if share % SHARES == 0:
+                t = share // SHARES
+                _cover_tile(t, first, columns, place, key, tile, samples, centres, sampling, rows)
+
+    return kernel
 
 
 @ti.func
-def _cover_box(samples: ti.template(), start, stride, height, width, x, y, radius, depth):
-    """Put a disc of any size into a tile that starts at `start`."""
-    low_j = ti.max(ti.cast(ti.ceil(y - radius), ti.i32), 0)
-    high_j = ti.min(ti.cast(ti.floor(y + radius), ti.i32), height - 1) + 1
-    for j in range(low_j, high_j):
-        down = ti.cast(j, ti.f32) - y
-        half = ti.sqrt(ti.max(radius * radius - down * down, ti.f32(0.0)))
-        low_i = ti.max(ti.cast(ti.ceil(x - half), ti.i32), 0)
-        high_i = ti.min(ti.cast(ti.floor(x + half), ti.i32), width - 1) + 1
-        at = start + j * stride
-        for i in range(at + low_i, at + high_i):
-            samples[i] = ti.min(samples[i], depth)
-
-
-@ti.func
-def _cover_centres(centres: ti.template(), start, stride, box, x, y, radius, depth):
-    """Put a disc into the pixel centres of a tile: x, y and radius in px from the tile's first centre.
-
-    `box` holds the first and last column and row of the tile that are the picture's; `start` is the place of
-    the tile's first centre.
-    """
-    square = radius * radius
-    if radius < ti.f32(0.5):  # one centre at most, the nearest: no branch
-        i = ti.max(ti.min(ti.cast(ti.floor(x + ti.f32(0.5)), ti.i32), box[1]), box[0])
-        j = ti.max(ti.min(ti.cast(ti.floor(y + ti.f32(0.5)), ti.i32), box[3]), box[2])
-        across, down = ti.cast(i, ti.f32) - x, ti.cast(j, ti.f32) - y
-        own = ti.select(across * across + down * down <= square, depth, NOTHING)
-        centres[start + j * stride + i] = ti.min(centres[start + j * stride + i], own)
-    else:
-        low_i = ti.max(ti.cast(ti.ceil(x - radius), ti.i32), box[0])
-        high_i = ti.min(ti.cast(ti.floor(x + radius), ti.i32), box[1])
-        low_j = ti.max(ti.cast(ti.ceil(y - radius), ti.i32), box[2])
-        high_j = ti.min(ti.cast(ti.floor(y + radius), ti.i32), box[3])
-        for j in range(low_j, high_j + 1):
-            down = ti.cast(j, ti.f32) - y
-            for i in range(low_i, high_i + 1):
-                across = ti.cast(i, ti.f32) - x
-                own = ti.select(across * across + down * down <= square, depth, NOTHING)
-                centres[start + j * stride + i] = ti.min(centres[start + j * stride + i], own)
-
-
-@ti.kernel
-def cover_by_grains(
-    first: _i32,
-    columns: ti.i32,
-    place: _f32_table,
-    key: _i32,
-    sampling: ti.template(),
-    margin: ti.i32,
+def _cover_tile(
+    t,
+    first: ti.template(),
+    columns,
+    place: ti.template(),
+    key: ti.template(),
     tile: ti.template(),
-    sample_columns: ti.i32,
-    pixel_columns: ti.i32,
-    samples: _i32,
-    centres: _i32,
+    samples: ti.template(),
+    centres: ti.template(),
+    sampling: ti.template(),
+    rows: ti.template(),
 ):
-    """Clear every tile, and put its grains' discs into its samples and pixel centres.
+    """Clear a tile, and put its grains' discs into its samples and pixel centres.
 
-    `samples` and `centres` are the tables, flat, of rows as long as told.
+    A disc is put into every group of samples that it may touch, a box, without a look at which it holds.
     """
-    side = tile * sampling
-    per_pixel, middle = ti.f32(1.0 / sampling), ti.f32(0.5 * (sampling - 1))
-    sample_rows, pixel_rows = samples.shape[0] // sample_columns, centres.shape[0] // pixel_columns
-    for share in range((first.shape[0] - 1) * SHARES):
-        if share % SHARES != 0:
-            continue
-        t = share // SHARES
-        row, column = (t // columns) * side, (t % columns) * side
-        height, width = ti.min(side, sample_rows - row), ti.min(side, sample_columns - column)
-        start = row * sample_columns + column
-        for j in range(height):
-            for i in range(width):
-                samples[start + j * sample_columns + i] = NOTHING
-        # Columns and rows of the tile's pixels that are the picture's, not the margin's.
-        above, left = margin - (t // columns) * tile, margin - (t % columns) * tile
-        box = ti.Vector(
-            [
-                ti.max(left, 0),
-                ti.min(tile, pixel_columns + left) - 1,
-                ti.max(above, 0),
-                ti.min(tile, pixel_rows + above) - 1,
-            ]
-        )
-        in_picture = box[0] <= box[1] and box[2] <= box[3]
-        corner = -above * pixel_columns - left
-        for j in range(box[2], box[3] + 1):
-            for i in range(box[0], box[1] + 1):
-                centres[corner + j * pixel_columns + i] = NOTHING
-        for k in range(first[t], first[t + 1]):
-            x, y, radius, depth = place[k, 0], place[k, 1], place[k, 2], key[k]
-            # The grains of a tile come by size, mostly: these branches can be foreseen.
-            if radius < ti.f32(1.0):
-                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 2)
-            elif radius < ti.f32(1.5):
-                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 3)
-            elif radius < ti.f32(2.0):
-                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 4)
-            elif radius < ti.f32(3.0) and ti.min(height, width) >= 6:
-                _cover_window(samples, start, sample_columns, height, width, x, y, radius, depth, 6)
-            else:
-                _cover_box(samples, start, sample_columns, height, width, x, y, radius, depth)
-            if in_picture:
-                _cover_centres(
-                    centres,
-                    corner,
-                    pixel_columns,
-                    box,
-                    (x - middle) * per_pixel,
-                    (y - middle) * per_pixel,
-                    radius * per_pixel,
-                    depth,
+    groups = ti.static(sampling // rows)
+    row, column = (t // columns) * tile, (t % columns) * tile
+    height, width = ti.min(tile, centres.shape[0] - row), ti.min(tile, centres.shape[1] - column)
+    for j, i in ti.ndrange((row, row + height), (column, column + width)):
+        centres[j, i] = NOTHING
+        for q in range(groups):
+            samples[j, i, q] = ti.Vector([NOTHING] * ti.static(rows * sampling))
+    per_group, per_pixel = ti.f32(1.0 / rows), ti.f32(1.0 / sampling)
+    for k in range(first[t], first[t + 1]):
+        x, y, reach = place[k, 0], place[k, 1], place[k, 2]
+        # A group and a pixel reach half a sample further than their outermost samples.
+        x_edge, y_edge = x + ti.f32(0.5), y + ti.f32(0.5)
+        low_i = ti.max(ti.cast(ti.floor((x_edge - reach) * per_pixel), ti.i32), 0)
+        high_i = ti.min(ti.cast(ti.floor((x_edge + reach) * per_pixel), ti.i32), width - 1)
+        low_j = ti.max(ti.cast(ti.floor((y_edge - reach) * per_group), ti.i32), 0)
+        high_j = ti.min(ti.cast(ti.floor((y_edge + reach) * per_group), ti.i32), height * groups - 1)
+        for n in range(low_j, high_j + 1):
+            j, q = row + n // groups, n % groups
+            down = ti.cast(n * rows, ti.f32) - y
+            for i in range(low_i, high_i + 1):
+                across = ti.cast(i * sampling, ti.f32) - x
+                at = column + i
+                samples[j, at, q] = _nearer(
+                    samples[j, at, q], across, down, reach, key[k], sampling, rows
                 )
+                if q == ti.static(sampling // 2 // rows):  # the group that the pixel's centre is in
+                    middle = ti.static(0.5 * (sampling - 1) - (sampling // 2 // rows) * rows)
+                    off_x = across + ti.f32(0.5 * (sampling - 1))
+                    off_y = down + ti.f32(middle)
+                    own = ti.select(off_x * off_x + off_y * off_y <= reach * reach, key[k], NOTHING)
+                    centres[j, at] = ti.min(centres[j, at], own)
+
+
+@ti.func
+def _nearer(keys, across, down, radius, key, sampling: ti.template(), rows: ti.template()):
+    """Keys of a group after a disc was put in; its first sample lies at (across, down) from the disc's centre."""
+    for n in ti.static(range(rows * sampling)):
+        off_x, off_y = across + ti.f32(1.0 * (n % sampling)), down + ti.f32(1.0 * (n // sampling))
+        own = ti.select(off_x * off_x + off_y * off_y <= radius * radius, key, NOTHING)
+        keys[n] = ti.min(keys[n], own)
+    return keys
 
 
 @ti.func
@@ -231,7 +186,7 @@ def cover_by_implement(
     sampling: ti.template(),
     margin: ti.i32,
     box: box_vector,
-    samples: _i32_table,
+    samples: _i32_samples,
     centres: _i32_table,
 ):
     """Put an implement's side in front of everything.
@@ -259,10 +214,6 @@ def cover_by_implement(
                             at = projection.undistorted(view, p, q)
                             inside = away(at[0] - x, at[1] - y, parts) <= 0.0
                         if inside:
-                            samples[j * sampling + b, i * sampling + a] = IMPLEMENT
-                if (
-                    outline <= 0.0
-                    and margin <= j < margin + centres.shape[0]
-                    and margin <= i < margin + centres.shape[1]
-                ):
-                    centres[j - margin, i - margin] = IMPLEMENT
+                            samples[j, i, b, a] = IMPLEMENT
+                if outline <= 0.0:
+                    centres[j, i] = IMPLEMENT

@@ -5,15 +5,19 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 """
 
 import math
+from functools import lru_cache
 
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING, box_vector
+from synth.camera.samples import rows_at_once
 from synth.camera.shares import SHARES
 
 RIM = 0.05
 """Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""
+TILES_AT_ONCE = 4
+"""In a row: wide enough to write long lines of light, and what they need fits a core's cache."""
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
@@ -21,46 +25,101 @@ _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _f32_eights = ti.types.ndarray(dtype=ti.types.vector(8, ti.f32), ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
-_i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
+_i32_samples = ti.types.ndarray(dtype=ti.i32, ndim=4)
 
 
-@ti.kernel
-def turn_faces(
-    grain: _i32,
-    place: _f32_table,
-    angle: _f64,
-    slope_x: _f32,
-    slope_y: _f32,
-    brightness: _f32,
-    intensity: ti.f32,
-    ambient: ti.f32,
-    roundness: ti.f32,
-    face: _f32_eights,
-):
-    """All that the light of a tiled grain's samples needs, in columns of `face`.
+@lru_cache(maxsize=None)
+def grain_radiance(sampling: int):
+    """Kernel of the light of every sample: of the grain that covers it, or of what is behind the grains.
 
-    Centre times bend along x and y, and the bend of a sample; slopes along x and y after a turn by `angle`,
-    which is counter-clockwise in the world, so from y towards x of the picture; light from everywhere, and
-    that of the lamps in full.
+    A grain is a flattened half sphere with a tilted face; the lamps' directions are (-+lamp_side, 0,
+    lamp_front), the last towards the camera. Its arguments: tiled grains, their angles and looks, the light, the
+    light behind the grains of every pixel, the samples in groups (`synth.camera.samples`), scratch for the
+    grains' faces, and the radiance, row by row of samples, as a table of a pixel's samples in a row.
     """
-    zero = ti.f32(0.0)
-    for k in range(grain.shape[0]):
-        g = grain[k]
-        cosine, sine = _direction(ti.cast(-angle[g], ti.f32))
-        bend = roundness / place[k, 2]
-        full = intensity * brightness[g]
-        face[k] = ti.Vector(
-            [
-                bend * place[k, 0],
-                bend * place[k, 1],
-                bend,
-                cosine * slope_x[g] - sine * slope_y[g],
-                sine * slope_x[g] + cosine * slope_y[g],
-                ambient * full,
-                (1 - ambient) * full,
-                zero,
-            ]
-        )
+    rows = rows_at_once(sampling)
+    groups = ti.types.ndarray(dtype=ti.types.vector(rows * sampling, ti.i32), ndim=3)
+    lines = ti.types.ndarray(dtype=ti.types.vector(sampling, ti.f32), ndim=2)
+
+    @ti.kernel
+    def kernel(
+        first: _i32,
+        columns: ti.i32,
+        grain: _i32,
+        place: _f32_table,
+        tile: ti.template(),
+        index_mask: ti.i32,
+        angle: _f64,
+        slope_x: _f32,
+        slope_y: _f32,
+        brightness: _f32,
+        intensity: ti.f32,
+        ambient: ti.f32,
+        roundness: ti.f32,
+        lamp_side: ti.f32,
+        lamp_front: ti.f32,
+        behind: _f32_table,
+        samples: groups,
+        face: _f32_eights,
+        radiance: lines,
+    ):
+        across = (columns + TILES_AT_ONCE - 1) // TILES_AT_ONCE
+        for share in range((first.shape[0] - 1) // columns * across * SHARES):
+            if share % SHARES == 0:
+                row, left = share // SHARES // across, share // SHARES % across * TILES_AT_ONCE
+                right = ti.min(left + TILES_AT_ONCE, columns)
+                for k in range(first[row * columns + left], first[row * columns + right]):
+                    g = grain[k]
+                    turned = _turned_slope(slope_x[g], slope_y[g], ti.cast(angle[g], ti.f32))
+                    face[k] = _face(place[k, 0], place[k, 1], place[k, 2], roundness, turned, brightness[g])
+                for j in range(row * tile, ti.min((row + 1) * tile, behind.shape[0])):
+                    for i in range(left * tile, ti.min(right * tile, behind.shape[1])):
+                        for q in range(sampling // rows):
+                            keys = samples[j, i, q]
+                            light = ti.Vector([behind[j, i]] * ti.static(rows * sampling))
+                            if keys.max() != IMPLEMENT and keys.min() != NOTHING:
+                                light = _light_of_group(
+                                    keys,
+                                    face,
+                                    index_mask,
+                                    ti.cast(i % tile * sampling, ti.f32),
+                                    ti.cast(j % tile * sampling + q * rows, ti.f32),
+                                    intensity,
+                                    ambient,
+                                    lamp_side,
+                                    lamp_front,
+                                    behind[j, i],
+                                    sampling,
+                                    rows,
+                                )
+                            for r in ti.static(range(rows)):
+                                radiance[j * sampling + q * rows + r, i] = ti.Vector(
+                                    [light[r * sampling + a] for a in range(sampling)]
+                                )
+
+    return kernel
+
+
+@ti.func
+def _face(x, y, radius, roundness, turned, brightness):
+    """All that the light of a grain's samples needs.
+
+    Centre times bend along x and y, and the bend of a sample; slopes along x and y; brightness.
+    """
+    bend, nothing = roundness / radius, ti.f32(0.0)
+    return ti.Vector([bend * x, bend * y, bend, turned[0], turned[1], brightness, nothing, nothing])
+
+
+@ti.func
+def _turned_slope(slope_x, slope_y, angle):
+    """Slopes after a turn by an angle, which is counter-clockwise in the world: from y towards x of the picture."""
+    direction = _direction(-angle)
+    return ti.Vector(
+        [
+            direction[0] * slope_x - direction[1] * slope_y,
+            direction[1] * slope_x + direction[0] * slope_y,
+        ]
+    )
 
 
 @ti.func
@@ -80,66 +139,49 @@ def _direction(angle):
     return result
 
 
-@ti.kernel
-def grain_radiance(
-    samples: _i32_table,
-    columns: ti.i32,
-    tile: ti.template(),
-    face: _f32_eights,
-    index_mask: ti.i32,
-    behind: _f32_table,
-    sampling: ti.template(),
-    lamp_side: ti.f32,
-    lamp_front: ti.f32,
-    radiance: _f32_table,
-):
-    """Light of every sample: of the grain that covers it, or of what is behind its pixel's grains.
-
-    A grain is a flattened half sphere with a tilted face; the lamps' directions are (-+lamp_side, 0,
-    lamp_front), the last towards the camera.
-    """
-    side = tile * sampling
-    down_tiles = (samples.shape[0] + side - 1) // side
-    for share in range((columns * down_tiles) * SHARES):
-        if share % SHARES != 0:
-            continue
-        t = share // SHARES
-        row, column = (t // columns) * side, (t % columns) * side
-        height, width = ti.min(side, samples.shape[0] - row), ti.min(side, samples.shape[1] - column)
-        for j in range(height):
-            down_in_tile = ti.cast(j, ti.f32)
-            for pixel in range(width // sampling):
-                back = behind[(row + j) // sampling, column // sampling + pixel]
-                keys = ti.Vector([samples[row + j, column + pixel * sampling + a] for a in range(sampling)])
-                if keys.max() != IMPLEMENT and keys.min() != NOTHING:
-                    for a in ti.static(range(sampling)):
-                        # Without a branch: where one grain ends and another begins cannot be foreseen.
-                        grain = keys[a] != NOTHING and keys[a] != IMPLEMENT
-                        shown = face[ti.select(grain, keys[a] & index_mask, 0)]
-                        light = _light_of(
-                            shown, ti.cast(pixel * sampling + a, ti.f32), down_in_tile, lamp_side, lamp_front
-                        )
-                        radiance[row + j, column + pixel * sampling + a] = ti.select(grain, light, back)
-                else:  # far and wide no grain
-                    for a in ti.static(range(sampling)):
-                        radiance[row + j, column + pixel * sampling + a] = back
-
-
 @ti.func
-def _light_of(face, across_tile, down_tile, lamp_side, lamp_front):
-    """Light of a grain at a place in its tile, in samples."""
-    off_x, off_y = across_tile * face[2] - face[0], down_tile * face[2] - face[1]
-    front = ti.sqrt(ti.max(ti.f32(1.0) - off_x * off_x - off_y * off_y, ti.f32(0.0))) + ti.f32(RIM)
-    across, down = off_x + face[3], off_y + face[4]
-    lit, aside = front * lamp_front, ti.abs(across * lamp_side)
-    # max(lit - aside, 0) + max(lit + aside, 0) of both lamps: lit is positive.
-    lamps = lit + ti.max(lit, aside)
-    return face[5] + face[6] * lamps / ti.sqrt(across * across + down * down + front * front)
+def _light_of_group(
+    keys,
+    face: ti.template(),
+    index_mask,
+    across_tile,
+    down_tile,
+    intensity,
+    ambient,
+    lamp_side,
+    lamp_front,
+    behind,
+    sampling: ti.template(),
+    rows: ti.template(),
+):
+    """Light of a group's samples, the first of which is at a place in its tile, in samples.
+
+    Without a branch: where one grain ends and another begins cannot be foreseen.
+    """
+    lanes = ti.static(rows * sampling)
+    shown = ti.Matrix.zero(ti.f32, 6, lanes)
+    for n in ti.static(range(lanes)):
+        grain = keys[n] != NOTHING and keys[n] != IMPLEMENT
+        own = face[ti.select(grain, keys[n] & index_mask, 0)]
+        for c in ti.static(range(6)):
+            shown[c, n] = own[c]
+    light = ti.Vector([behind] * lanes)
+    for n in ti.static(range(lanes)):
+        x, y = across_tile + ti.f32(1.0 * (n % sampling)), down_tile + ti.f32(1.0 * (n // sampling))
+        off_x, off_y = x * shown[2, n] - shown[0, n], y * shown[2, n] - shown[1, n]
+        front = ti.sqrt(ti.max(ti.f32(1.0) - off_x * off_x - off_y * off_y, ti.f32(0.0))) + ti.f32(RIM)
+        across, down = off_x + shown[3, n], off_y + shown[4, n]
+        lit, aside = front * lamp_front, ti.abs(across * lamp_side)
+        # max(lit - aside, 0) + max(lit + aside, 0) of both lamps: lit is positive.
+        lamps = (lit + ti.max(lit, aside)) / ti.sqrt(across * across + down * down + front * front)
+        own = intensity * shown[5, n] * (ambient + (1 - ambient) * lamps)
+        light[n] = ti.select(keys[n] != NOTHING and keys[n] != IMPLEMENT, own, behind)
+    return light
 
 
 @ti.kernel
 def implement_radiance(
-    samples: _i32_table,
+    samples: _i32_samples,
     x: ti.f64,
     y: ti.f64,
     wheel_radius: ti.f64,
@@ -219,7 +261,7 @@ def _implement_row(
     for i in range(box[0], box[2]):
         seen = False
         for b, a in ti.ndrange(sampling, sampling):
-            seen = seen or samples[j * sampling + b, i * sampling + a] == IMPLEMENT
+            seen = seen or samples[j, i, b, a] == IMPLEMENT
         if seen:
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
             off_x, off_y = at[0] - x, at[1] - y
@@ -235,7 +277,7 @@ def _implement_row(
             )
             value = ti.cast(light * (pattern + 0.25 * blotch), ti.f32)
             for b, a in ti.ndrange(sampling, sampling):
-                if samples[j * sampling + b, i * sampling + a] == IMPLEMENT:
+                if samples[j, i, b, a] == IMPLEMENT:
                     radiance[j * sampling + b, i * sampling + a] = value
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from scipy.special import erf
 
 from synth.camera.cover import Cover
+from synth.camera.samples import in_groups
 from synth.camera.streams import Purpose, random_stream
 from synth.camera.texture import tone_behind
 from synth.camera.tiles import TILE
@@ -39,7 +40,7 @@ class Film:
     radiance : (S (H + 2 margin), S (W + 2 margin)) float32
     filtered : (H, S (W + 2 margin)) float32
     faces : (n, 8) float32
-        See `light_kernels.turn_faces`; a picture with more grains than there is room for brings its own.
+        See `light_kernels.grain_radiance`; a picture with more grains than there is room for brings its own.
     """
 
     radiance: "np.ndarray"
@@ -51,7 +52,8 @@ class Film:
         """Buffers for pictures of this size with about as many grains."""
         import numpy as np
 
-        shape, room = covered.samples.shape, len(covered.tiled.grain) * 5 // 4 + 1
+        rows, columns, sampling, _ = covered.samples.shape
+        shape, room = (rows * sampling, columns * sampling), len(covered.tiled.grain) * 5 // 4 + 1
         return cls(
             np.empty(shape, np.float32),
             np.empty((covered.view.height, shape[1]), np.float32),
@@ -157,9 +159,14 @@ def _radiance(
     elevation = math.radians(light.elevation)
     enough = len(film.faces) >= max(len(tiled.grain), 1)
     face = film.faces if enough else np.empty((len(tiled.grain), 8), np.float32)
-    light_kernels.turn_faces(
+    height, width = film.radiance.shape
+    light_kernels.grain_radiance(covered.sampling)(
+        tiled.first,
+        tiled.columns,
         tiled.grain,
         tiled.place,
+        TILE,
+        tiled.index_mask,
         placement.angle,
         grains.slope_x,
         grains.slope_y,
@@ -167,19 +174,12 @@ def _radiance(
         light.intensity,
         light.ambient,
         scene.texture.roundness,
-        face,
-    )
-    light_kernels.grain_radiance(
-        covered.samples,
-        tiled.columns,
-        TILE,
-        face,
-        tiled.index_mask,
-        _behind_the_grains(scene, covered),
-        covered.sampling,
         math.cos(elevation),
         math.sin(elevation),
-        film.radiance,
+        _behind_the_grains(scene, covered),
+        in_groups(covered.samples),
+        face,
+        film.radiance.reshape(height, width // covered.sampling, covered.sampling),
     )
     if covered.face is not None:
         _light_implement(scene, covered, covered.face, film.radiance)

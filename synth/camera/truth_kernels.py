@@ -15,6 +15,7 @@ _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
+_i32_samples = ti.types.ndarray(dtype=ti.i32, ndim=4)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
@@ -28,7 +29,7 @@ BLOCK = 8
 def fill_voids(
     centres: _i32_table,
     soil: _u8_table,
-    samples: _i32_table,
+    samples: _i32_samples,
     place: _f32_table,
     columns: ti.i32,
     tile: ti.template(),
@@ -92,7 +93,7 @@ def _nearest_visible(
                     a += n
                 else:
                     a, b = a + n, b + size - 1
-                key = samples[a, b]
+                key = samples[a // sampling, b // sampling, a % sampling, b % sampling]
                 if key != NOTHING and key != IMPLEMENT and key & index_mask != last:
                     k = last = key & index_mask
                     off_x = at_x - (place[k, 0] + ti.cast(b // side * side, ti.f32))
@@ -262,7 +263,7 @@ def _sample_motion(
     margin,
 ):
     """Motion at sample (row b, column a) of the buffer, and whether there is one (third component)."""
-    key = samples[b, a]
+    key = samples[b // sampling, a // sampling, remainder(b, sampling), remainder(a, sampling)]
     result = ti.Vector([ti.f32(0.0), ti.f32(0.0), ti.f32(0.0)])
     if key == IMPLEMENT:
         at = projection.undistorted(
@@ -286,7 +287,7 @@ def _sample_motion(
 
 @ti.kernel
 def find_mixed(
-    samples: _i32_table,
+    samples: _i32_samples,
     place: _f32_table,
     grain: _i32,
     motion: _f32_fours,
@@ -346,7 +347,7 @@ def _is_implement(row, column, samples: ti.template(), sampling: ti.template()):
     whole = True
     for b in range(row, row + sampling):
         for a in range(column, column + sampling):
-            whole = whole and samples[b, a] == IMPLEMENT
+            whole = whole and samples[b // sampling, a // sampling, remainder(b, sampling), remainder(a, sampling)] == IMPLEMENT
     return whole
 
 
@@ -370,7 +371,7 @@ def _alike(
     own, last = ti.f32(0.0), NOTHING
     for b in range(row, row + sampling):
         for a in range(column, column + sampling):
-            key = samples[b, a]
+            key = samples[b // sampling, a // sampling, remainder(b, sampling), remainder(a, sampling)]
             if key != last and key != NOTHING:
                 moved = motion[grain[key & index_mask]]
                 if moved[3] >= 0:
