@@ -43,10 +43,13 @@ def _jumps_in(j, u: ti.template(), v: ti.template(), implement: ti.template(), l
             else:
                 b += 1
             if 0 <= a < u.shape[0] and 0 <= b < u.shape[1]:
-                apart = ti.sqrt((u[j, i] - u[a, b]) ** 2 + (v[j, i] - v[a, b]) ** 2)
+                over, down = u[j, i] - u[a, b], v[j, i] - v[a, b]
+                square = over * over + down * down
                 # NaN, where either has no truth, fails both comparisons.
-                if apart > limit or (apart >= 0.0 and implement[j, i] != implement[a, b]):
-                    largest = ti.max(largest, apart)
+                if square > limit * limit or (square >= 0.0 and implement[j, i] != implement[a, b]):
+                    largest = ti.max(largest, square)
+        if largest > 0.0:
+            largest = ti.sqrt(largest)
         jump[j, i] = largest
 
 
@@ -81,7 +84,9 @@ def nearest_in_picture(
     distance: _f32_table,
     nearest_jump: _f32_table,
 ):
-    """Exact distance to the nearest marked pixel, and the jump there, by lower envelopes of parabolas.
+    """Distance to the nearest discontinuity, and the jump there: exact, by lower envelopes of parabolas.
+
+    A discontinuity is half a pixel beyond the nearest marked pixel; without any, infinite and NaN.
 
     After Felzenszwalb and Huttenlocher, Theory of Computing 8, 2012. `stack` and `start` are scratch.
     """
@@ -112,6 +117,9 @@ def nearest_in_picture(
                     k += 1
                 other = stack[j, k]
                 found = row[j, other]
-                square = ti.cast((found - j) ** 2 + (other - i) ** 2, ti.f64)
-                distance[j, i] = ti.cast(ti.sqrt(square), ti.f32)
+                square = ti.cast((found - j) ** 2 + (other - i) ** 2, ti.f32)
+                distance[j, i] = ti.sqrt(square) + ti.f32(0.5)
                 nearest_jump[j, i] = jump[found, other]
+            else:
+                distance[j, i] = ti.cast(ti.math.inf, ti.f32)
+                nearest_jump[j, i] = ti.cast(ti.math.nan, ti.f32)

@@ -371,6 +371,12 @@ def find_inner(state: _u8_table):
 
 
 @ti.func
+def _rounded(number):
+    """Nearest integer; unlike `ti.round`, no call."""
+    return ti.cast(ti.floor(number + 0.5), ti.i32)
+
+
+@ti.func
 def _spline(s, t, i, j, inner, value: ti.template(), nearest: ti.template()):
     """Quadratic B-splines over the nodes around (i, j) that have a particle near, at (s, t) in spacings."""
     a, b = s - i, t - j
@@ -447,7 +453,7 @@ def carry(
         p, q = at_x[g], at_z[g]
         u, v, turn, lives = 0.0, 0.0, 0.0, False
         s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
-        i, j = int(ti.round(s)), int(ti.round(t))
+        i, j = _rounded(s), _rounded(t)
         if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
             kind = state[j, i]
             if kind == BESIDE:
@@ -469,7 +475,7 @@ def carry(
 def look_around(
     at_x: _f64,
     at_z: _f64,
-    chosen: _u8,
+    chosen: _i32,
     x: _f64,
     z: _f64,
     moved_x: _f64,
@@ -492,23 +498,22 @@ def look_around(
 ):
     """Strain at chosen points, and the nearest particle (-1: none), as `carry` takes them."""
     per_spacing = 1.0 / spacing
-    for g in range(at_x.shape[0]):
+    for c in range(chosen.shape[0]):
+        p, q = at_x[chosen[c]], at_z[chosen[c]]
         strained, near = 0.0, -1
-        if chosen[g] == 1:
-            p, q = at_x[g], at_z[g]
-            s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
-            i, j = int(ti.round(s)), int(ti.round(t))
-            if 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
-                kind = state[j, i]
-                if kind == BESIDE:
-                    found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
-                    strained, near = found[3], int(found[4])
-                else:
-                    strained = _spline(s, t, i, j, kind == INNER, value, nearest)[3]
-                    near = _nearest_of(p, q, s, t, x, z, nearest, reach)
-        strain[g], particle[g] = ti.cast(strained, ti.f32), -1
+        s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
+        i, j = _rounded(s), _rounded(t)
+        if 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
+            kind = state[j, i]
+            if kind == BESIDE:
+                found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
+                strained, near = found[3], int(found[4])
+            else:
+                strained = _spline(s, t, i, j, kind == INNER, value, nearest)[3]
+                near = _nearest_of(p, q, s, t, x, z, nearest, reach)
+        strain[c], particle[c] = ti.cast(strained, ti.f32), -1
         if near >= 0:
-            particle[g] = order[near]
+            particle[c] = order[near]
 
 
 @ti.func

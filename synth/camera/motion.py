@@ -41,7 +41,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The particles around the micro-grains that are seen, between two frames; shape (grain,) each.
+    """The particles around micro-grains that are seen, between two frames; shape (seen,) each.
 
     Attributes
     ----------
@@ -67,10 +67,7 @@ class Motion(Protocol):
         ...
 
     def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
-        """Particles around the grains, and how they deform up to the frame `second`.
-
-        Only those of grains where `seen`, (grain,) uint8, is 1 are asked for.
-        """
+        """Particles around the grains `seen`, (seen,) int32, and how they deform up to the frame `second`."""
         ...
 
 
@@ -107,7 +104,7 @@ class OnPlate:
 
     def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
         """Nothing: a rigid plate has no particles and no strain."""
-        return _none_around(self._grains.count)
+        return Surroundings(np.full(len(seen), -1, np.int32), np.zeros(len(seen), np.float32))
 
     def _at(self, frame: int) -> Placement:
         turn = self._angle[frame] - self._angle[0]
@@ -122,7 +119,7 @@ class Carried:
 
     def __init__(self, recording: "Recording", grains: "MicroGrains", scene: "Scene") -> None:
         still = ParticleField(recording, 0, 0, scene)
-        owner, _ = still.look_around(grains.x, grains.z, _all_alive(grains))
+        owner, _ = still.look_around(grains.x, grains.z, np.arange(grains.count, dtype=np.int32))
         self._recording, self._grains, self._owner = recording, grains, owner
         self._scene = scene
         self._alive = (owner >= 0).astype("uint8")
@@ -138,7 +135,8 @@ class Carried:
     def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
         """Carrying particle, and the strain of the particles around it."""
         strain = ParticleField(self._recording, placement.frame, second, self._scene).strain_of_particles()
-        return Surroundings(self._owner, strain[self._owner])
+        owner = self._owner[seen]
+        return Surroundings(owner, strain[owner])
 
     def _at(self, frame: int) -> Placement:
         grains, owner = self._grains, self._owner
@@ -176,8 +174,7 @@ class Interpolated:
 
     def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
         """Nearest particle, and the strain at the grain."""
-        chosen = seen & placement.alive
-        particle, strain = self._field(placement, second).look_around(placement.x, placement.z, chosen)
+        particle, strain = self._field(placement, second).look_around(placement.x, placement.z, seen)
         return Surroundings(particle, strain)
 
     def _field(self, placement: Placement, second: int) -> ParticleField:
@@ -199,6 +196,3 @@ def _turned(x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray") -> tuple["np.
 def _all_alive(grains: "MicroGrains") -> "np.ndarray":
     return np.ones(grains.count, np.uint8)
 
-
-def _none_around(count: int) -> Surroundings:
-    return Surroundings(np.full(count, -1, np.int32), np.zeros(count, np.float32))

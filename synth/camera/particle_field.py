@@ -137,16 +137,16 @@ class ParticleField:
     def look_around(
         self, x: "np.ndarray", z: "np.ndarray", chosen: "np.ndarray"
     ) -> "tuple[np.ndarray, np.ndarray]":
-        """Particle nearest to points and the strain there, both (point,): int32, float32.
+        """Particle nearest to the chosen ones (int32) of points, and the strain there: int32, float32.
 
         The strain is the equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement
-        gradient. Without a particle near, or where `chosen` (uint8) is not 1, they are -1 and 0.
+        gradient. Without a particle near they are -1 and 0.
         """
         import numpy as np
 
         from synth.camera import field_kernels
 
-        particle, strain = np.empty(len(x), np.int32), np.empty(len(x), np.float32)
+        particle, strain = np.empty(len(chosen), np.int32), np.empty(len(chosen), np.float32)
         field_kernels.look_around(
             x,
             z,

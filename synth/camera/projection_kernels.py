@@ -24,6 +24,14 @@ def magnification(view, x, z):
 
 
 @ti.func
+def distorted(view, column, row):
+    """Image coordinates of what an ideal lens would put at the given ones."""
+    off_x, off_y = column - view[3], row - view[4]
+    factor = 1.0 + view[5] * (off_x * off_x + off_y * off_y)
+    return ti.Vector([view[3] + factor * off_x, view[4] + factor * off_y])
+
+
+@ti.func
 def undistorted(view, column, row):
     """Image coordinates that an ideal lens would give."""
     off_x, off_y = column - view[3], row - view[4]

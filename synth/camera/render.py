@@ -80,8 +80,9 @@ def _render_frames(
     clock: StageClock,
     progress: Callable[[int, int], None] | None,
 ) -> None:
+    from synth.camera.pair_truth import pair_truth
     from synth.camera.photographer import Photographer
-    from synth.truth import grains_and_motion, pair_truth
+    from synth.truth import grains_and_motion
 
     with clock.stage("strewing"):
         grains, motion = grains_and_motion(recording, scene)

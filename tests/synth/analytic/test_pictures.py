@@ -165,13 +165,13 @@ def test_strain_and_rotation_follow_the_conventions_of_a_recording():
 
 def test_discontinuities_are_those_of_a_recording():
     from synth.devices import start_taichi
-    from synth.truth import _discontinuities
+    from synth.camera.discontinuities import discontinuities
 
     start_taichi()
     scene = load_scene("shear_band", quick=True)
     truth = true_motion(simulate(scene), scene, 0, 1)
     u, v = truth.u.values, truth.v.values
-    expected = _discontinuities({"u": u, "v": v, "implement": np.zeros(u.shape, bool)})
+    expected = discontinuities(u, v, np.zeros(u.shape, bool))
     distance = truth.distance_to_discontinuity.values
     np.testing.assert_allclose(distance, expected["distance_to_discontinuity"], rtol=1e-6)
     # At places as far from two jumps either may be told.

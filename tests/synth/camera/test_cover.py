@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from synth.camera.motion import Placement
+from synth.camera.samples import in_groups
 from synth.camera.texture import MicroGrains
 from synth.camera.tiles import TILE, sort_into_tiles
 from synth.camera.view import View
@@ -36,7 +37,7 @@ def foremost(grains, view, x, y):
     return found
 
 
-@pytest.mark.parametrize("sampling", [4, 5, 6, 8])
+@pytest.mark.parametrize("sampling", [4, 5, 6, 8, 12])
 def test_the_foremost_disc_covers(taichi, grains, sampling):
     from synth.camera import cover_kernels
 
@@ -45,25 +46,16 @@ def test_the_foremost_disc_covers(taichi, grains, sampling):
     tiled = sort_into_tiles(
         grains, Placement(0, grains.x, grains.z, 0 * grains.x, alive), view, sampling, MARGIN
     )
-    samples = np.empty((sampling * (HEIGHT + 2 * MARGIN), sampling * (WIDTH + 2 * MARGIN)), np.int32)
-    centres = np.empty((HEIGHT, WIDTH), np.int32)
-    cover_kernels.cover_by_grains(
-        tiled.first,
-        tiled.columns,
-        tiled.place,
-        tiled.key,
-        sampling,
-        MARGIN,
-        TILE,
-        samples.shape[1],
-        centres.shape[1],
-        samples.ravel(),
-        centres.ravel(),
+    shape = HEIGHT + 2 * MARGIN, WIDTH + 2 * MARGIN
+    samples, centres = np.empty((*shape, sampling, sampling), np.int32), np.empty(shape, np.int32)
+    cover_kernels.cover_by_grains(sampling)(
+        tiled.first, tiled.columns, tiled.place, tiled.key, TILE, in_groups(samples), centres
     )
-    rows, columns = ((np.arange(size) + 0.5) / sampling - 0.5 - MARGIN for size in samples.shape)
+    raster = samples.swapaxes(1, 2).reshape(sampling * shape[0], sampling * shape[1])
+    rows, columns = ((np.arange(size) + 0.5) / sampling - 0.5 - MARGIN for size in raster.shape)
     for keys, (x, y) in (
-        (samples, np.meshgrid(columns, rows)),
-        (centres, np.meshgrid(np.arange(WIDTH), np.arange(HEIGHT))),
+        (raster, np.meshgrid(columns, rows)),
+        (centres, np.meshgrid(*(np.arange(size) - MARGIN for size in reversed(shape)))),
     ):
         expected = foremost(grains, view, x, y)
         nothing = keys == cover_kernels.NOTHING

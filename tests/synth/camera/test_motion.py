@@ -11,9 +11,8 @@ from synth.camera.texture import strew
 
 def carried(field, x, z):
     """Where a field carries points to, their turn, the nearest particle and the strain there."""
-    all_of_them = np.ones(len(x), np.uint8)
-    moved = field.carry(x, z, np.zeros(len(x)), all_of_them)
-    particle, strain = field.look_around(x, z, all_of_them)
+    moved = field.carry(x, z, np.zeros(len(x)), np.ones(len(x), np.uint8))
+    particle, strain = field.look_around(x, z, np.arange(len(x), dtype=np.int32))
     assert np.array_equal(moved.alive == 1, particle >= 0)
     return SimpleNamespace(**vars(moved), particle=particle, strain=strain)
 
@@ -121,7 +120,7 @@ def test_carried_grains_are_rigid_with_their_particle(cases, taichi):
     grains = strew(cases.scene(), first_region(recording, cases.scene()))
     motion = Carried(recording, grains, cases.scene())
     start = motion.start()
-    owner = motion.surroundings(start, 1, np.ones(grains.count, np.uint8)).particle
+    owner = motion.surroundings(start, 1, np.arange(grains.count, dtype=np.int32)).particle
     after = motion.advance(start)
     square = (grains.x[:, None][:2000] - x) ** 2 + (grains.z[:, None][:2000] - z) ** 2
     assert np.array_equal(owner[:2000], square.argmin(axis=1))
@@ -181,20 +180,26 @@ def test_soil_on_both_sides_of_a_thin_blade_keeps_its_own_motion(cases, taichi):
     assert np.abs(moved.z - at_z).max() < 1e-9
 
 
-def test_the_face_turns_with_its_grain_and_its_albedo_stays(cases, taichi):
+def test_the_face_turns_with_its_grain_and_its_albedo_stays(taichi):
     from synth.camera import light_kernels
 
-    grain = np.array([0, 0], np.int32)
-    place = np.ones((2, 3), np.float32)
-    slope_x, slope_y, brightness = (np.array([value], np.float32) for value in (0.3, 0.0, 0.5))
-    faces = []
+    first, grain, place = np.array([0, 1], np.int32), np.zeros(1, np.int32), np.full((1, 3), 9, np.float32)
+    looks = [np.array([value], np.float32) for value in (0.3, 0.0, 0.5)]
+    samples, behind = np.zeros((1, 1, 1, 16), np.int32), np.zeros((1, 1), np.float32)
+    faces, lights = [], []
     for turn in (0.0, np.pi / 2):
-        face = np.empty((2, 8), np.float32)
-        looks = (slope_x, slope_y, brightness)
-        light_kernels.turn_faces(grain, place, np.array([turn]), *looks, 1.4, 0.25, 0.8, face)
-        assert face[0, :3] == pytest.approx([0.8 * 1.0, 0.8 * 1.0, 0.8])
-        assert face[0, 5:7] == pytest.approx([0.25 * 0.7, 0.75 * 0.7])
-        faces.append(face[0, 3:5])
-    assert faces[0] == pytest.approx([0.3, 0.0])
+        face, light = np.empty((1, 8), np.float32), np.empty((4, 1, 4), np.float32)
+        light_kernels.grain_radiance(4)(
+            *(first, 1, grain, place, 32, 1, np.array([turn]), *looks),
+            *(1.4, 0.25, 0.0, 0.8, 0.6, behind, samples, face, light),
+        )
+        faces.append(face[0])
+        lights.append(light)
+    assert faces[0][3:6] == pytest.approx([0.3, 0.0, 0.5])
     # Counter-clockwise takes what leans to the right upwards, which is against y of the picture.
-    assert faces[1] == pytest.approx([0.0, -0.3], abs=1e-6)
+    assert faces[1][3:6] == pytest.approx([0.0, -0.3, 0.5], abs=1e-6)
+    # A flat grain that leans by 0.3, up or to the right, lit by both lamps: see `_light_of_group`.
+    front = 1 + light_kernels.RIM
+    both_lamps = 2 * front * 0.6 / np.hypot(front, 0.3)
+    assert lights[1] == pytest.approx(1.4 * 0.5 * (0.25 + 0.75 * both_lamps), rel=1e-5)
+    assert lights[0] == pytest.approx(lights[1], rel=1e-5)

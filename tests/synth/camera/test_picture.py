@@ -5,6 +5,7 @@ from scipy.ndimage import map_coordinates
 from synth.camera.cover import Cover, cover
 from synth.camera.motion import Placement
 from synth.camera.picture import expose, light_on_sensor
+from synth.camera.samples import in_groups
 from synth.camera.texture import MicroGrains
 from synth.camera.tiles import TILE, sort_into_tiles
 from synth.camera.view import View
@@ -66,11 +67,11 @@ def one_grain(cases, x, y, radius):
     grains = MicroGrains(world_x, world_z, zero + 2 * radius * cases.pixel, flat + 0.5, flat, flat, depth)
     placement = Placement(0, world_x, world_z, zero, np.ones(1, np.uint8))
     tiled = sort_into_tiles(grains, placement, view, sampling, margin)
-    samples = np.empty((sampling * (height + 2 * margin), sampling * (width + 2 * margin)), np.int32)
-    centres = np.empty((height, width), np.int32)
-    widths = samples.shape[1], centres.shape[1]
-    sorted_grains = (tiled.first, tiled.columns, tiled.place, tiled.key, sampling, margin, TILE)
-    cover_kernels.cover_by_grains(*sorted_grains, *widths, samples.ravel(), centres.ravel())
+    shape = height + 2 * margin, width + 2 * margin
+    samples, centres = np.empty((*shape, sampling, sampling), np.int32), np.empty(shape, np.int32)
+    sorted_grains = (tiled.first, tiled.columns, tiled.place, tiled.key, TILE)
+    cover_kernels.cover_by_grains(sampling)(*sorted_grains, in_groups(samples), centres)
+    centres = centres[margin:-margin, margin:-margin].copy()
     rows, columns = np.mgrid[:height, :width]
     assert np.array_equal(centres != cover_kernels.NOTHING, np.hypot(columns - x, rows - y) <= radius)
     soil = np.ones((height, width), bool)
@@ -117,8 +118,10 @@ def wheel_samples(case):
     """Image coordinates of the samples that the wheel covers in the first frame: rows, columns."""
     grains, motion = grains_and_motion(case.recording, case.scene)
     covered = cover(case.scene, case.recording, grains, motion.start())
-    rows, columns = np.nonzero(covered.samples == -1)
-    return ((n + 0.5) / covered.sampling - 0.5 - covered.margin for n in (rows, columns))
+    j, i, b, a = np.nonzero(covered.samples == -1)
+    return (
+        pixel - covered.margin + (n + 0.5) / covered.sampling - 0.5 for pixel, n in ((j, b), (i, a))
+    )
 
 
 def test_the_sensor_adds_the_noise_it_says(cases):

@@ -6,9 +6,9 @@ import pytest
 from synth import Recording
 from synth.camera import rim_face
 from synth.camera.implement_face import face_of
+from synth.camera.pair_truth import add_implement
 from synth.camera.view import View
 from synth.scene import parse_scene
-from synth.truth import _add_implement
 
 RADIUS, FLAT = 0.01, 0.003
 WIDTH, HEIGHT, PIXEL = 160, 150, 2e-4
@@ -67,11 +67,11 @@ def test_samples_are_covered_as_the_capsules_say(taichi, cases, scene, turn):
 
     recording = recording_of(cases, scene, [nodes_of(scene, turn=turn, flat=FLAT)], [turn])
     face = face_of(scene, recording, 0, View(WIDTH, HEIGHT, PIXEL, *cases.centre))
-    samples = np.zeros((3 * HEIGHT, 3 * WIDTH), np.int32)
+    samples = np.zeros((HEIGHT, WIDTH, 3, 3), np.int32)
     centres = np.zeros((HEIGHT, WIDTH), np.int32)
     numbers = kernels.projection.numbers(face.view.numbers)
     kernels.cover_by_implement(face.x, face.y, face.parts, numbers, 3, 0, face.box(0), samples, centres)
-    covered = samples[1::3, 1::3] == kernels.IMPLEMENT  # the middle one of a pixel is its centre
+    covered = samples[:, :, 1, 1] == kernels.IMPLEMENT  # the middle one of a pixel is its centre
     np.testing.assert_array_equal(covered, face.distance() == 0)
     np.testing.assert_array_equal(covered, centres == kernels.IMPLEMENT)
     assert 0.2 < covered.mean() < 0.8
@@ -97,9 +97,11 @@ def test_truth_of_the_side_follows_the_rim(taichi, cases, scene, turn):
     recording = recording_of(cases, scene, rims, [0.0, turn])
     view = View(WIDTH, HEIGHT, PIXEL, *cases.centre)
     face, following = (face_of(scene, recording, frame, view) for frame in (0, 1))
-    arrays = {name: np.zeros((HEIGHT, WIDTH)) for name in ("u", "v", "rotation", "strain_rate")}
+    shape = HEIGHT, WIDTH
+    arrays = {name: np.zeros(shape, np.float32) for name in ("u", "v", "rotation", "strain_rate")}
+    arrays["valid"] = np.zeros(shape, bool)
     arrays["implement"] = face.distance() == 0
-    _add_implement(arrays, face, following)
+    add_implement(arrays, face, following)
     y, x = np.mgrid[:HEIGHT, :WIDTH]
     off_x, off_y = x - face.x, y - face.y
     end_x, end_y = off_x + arrays["u"], off_y + arrays["v"]

@@ -207,22 +207,22 @@ def test_particle_ids_name_the_nearest_particle(cases, fields, offsets):
 
 
 def test_a_split_is_found_where_it_is(taichi):
-    from synth.truth import _discontinuities
+    from synth.camera.discontinuities import discontinuities
 
     u = np.zeros((40, 60), np.float32)
     u[:, 25:] = 2.0
-    found = _discontinuities({"u": u, "v": np.zeros_like(u), "implement": np.zeros(u.shape, bool)})
+    found = discontinuities(u, np.zeros_like(u), np.zeros(u.shape, bool))
     expected = np.abs(np.arange(60) - 24.5)
     assert np.array_equal(found["distance_to_discontinuity"], np.tile(expected, (40, 1)))
     assert (found["discontinuity_jump"] == 2.0).all()
 
 
 def test_distances_agree_with_an_independent_transform(taichi):
-    from synth.truth import _discontinuities
+    from synth.camera.discontinuities import discontinuities
 
     generator = np.random.default_rng(8)
     u = np.where(generator.random((70, 90)) < 0.003, 3.0, 0.0).astype(np.float32)
-    found = _discontinuities({"u": u, "v": 0 * u, "implement": np.zeros(u.shape, bool)})
+    found = discontinuities(u, 0 * u, np.zeros(u.shape, bool))
     marked = np.zeros(u.shape, bool)
     marked[:, 1:] |= u[:, 1:] != u[:, :-1]
     marked[:, :-1] |= u[:, 1:] != u[:, :-1]

@@ -144,7 +144,7 @@ def seen_by(case, grains, motion):
     """Light of frame 1, and the truth from frame 1 back to frame 0, of grains strewn for any camera."""
     from synth.camera.cover import cover
     from synth.camera.picture import light_on_sensor
-    from synth.truth import pair_truth
+    from synth.camera.pair_truth import pair_truth
 
     start = motion.start()
     placement = motion.advance(start)
