@@ -34,6 +34,8 @@ class TruthWriter:
             self._by_pair(name, np.full(count, np.nan), unit, meaning)
         for name, (dtype, unit, meaning) in VARIABLES.items():
             self._variable(name, dtype, unit, meaning)
+        # h5netcdf has no way to write a chunk that is compressed already; h5py, below it, has.
+        self._chunks = {name: self._file[name]._h5ds.id for name in VARIABLES}
 
     def _by_pair(self, name: str, values: "np.ndarray", unit: str, meaning: str) -> None:
         variable = self._file.create_variable(name, ("pair",), data=values)
@@ -60,9 +62,7 @@ class TruthWriter:
             self._file.variables[name][pair] = truth.camera[name]
         for name, (dtype, _, _) in VARIABLES.items():
             values = truth.arrays[name].astype("int8" if dtype == "bool" else dtype, copy=False)
-            # h5netcdf has no way to write a chunk that is compressed already; h5py, below it, has.
-            chunk = self._file[name]._h5ds.id
-            chunk.write_direct_chunk((pair, 0, 0), deflated_chunk(values))
+            self._chunks[name].write_direct_chunk((pair, 0, 0), deflated_chunk(values))
 
     def __enter__(self) -> Self:
         return self

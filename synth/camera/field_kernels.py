@@ -3,7 +3,8 @@
 
 World coordinates throughout: m, z up. Particles are sorted by square cells; `first` holds each cell's first
 particle, with one entry more than there are cells. `grid` holds the cells' left, bottom and size, `shape`
-their columns and rows. Every thread gathers for its own points.
+their columns and rows. `affine` holds what a particle says of the motion around it: its x and z, its
+displacement along both, and the displacement gradient row by row. Every thread gathers for its own points.
 """
 
 import taichi as ti
@@ -13,6 +14,7 @@ from synth.camera.shares import SHARES
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f64_block = ti.types.ndarray(dtype=ti.f64, ndim=3)
+_f64_eights = ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=1)
 _f64_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f64), ndim=2)
 _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
@@ -253,11 +255,7 @@ def _floored_inverse(matrix, floor):
 def _blend(
     at_x,
     at_z,
-    x: ti.template(),
-    z: ti.template(),
-    moved_x: ti.template(),
-    moved_z: ti.template(),
-    gradient: ti.template(),
+    affine: ti.template(),
     first: ti.template(),
     grid,
     shape,
@@ -270,32 +268,34 @@ def _blend(
     hide. The weights are Wendland's C2 function of the distance. The two distances are the nearest particle's
     and the implement's.
     """
-    eye = _outside(at_x, at_z, parts)
-    blended, stretch = ti.Vector.zero(ti.f64, 2), ti.Matrix.zero(ti.f64, 2, 2)
-    weight_sum, closest, nearest = 0.0, reach * reach, -1
+    eye, per_reach = _outside(at_x, at_z, parts), 1.0 / reach
+    blended, stretch = ti.Vector.zero(ti.f64, 2), ti.Vector.zero(ti.f64, 4)
+    weight_sum, closest, nearest, beside = 0.0, reach * reach, -1, eye[2] < reach
     box = _cells_around(at_x, at_z, reach, grid, shape)
     for r in range(box[2], box[3] + 1):
         for p in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
-            away = ti.Vector([at_x - x[p], at_z - z[p]])
-            square = away.norm_sqr()
-            if square < reach * reach and _sees(eye, reach, x[p], z[p], parts):
-                ratio = ti.sqrt(square) / reach
-                rest = (1.0 - ratio) * (1.0 - ratio)
-                weight = rest * rest * (1.0 + 4.0 * ratio)
-                local = ti.Matrix(
-                    [[gradient[p, 0, 0], gradient[p, 0, 1]], [gradient[p, 1, 0], gradient[p, 1, 1]]]
-                )
-                blended += weight * (ti.Vector([moved_x[p], moved_z[p]]) + local @ away)
-                stretch += weight * local
-                weight_sum += weight
-                if square < closest:
-                    closest, nearest = square, p
+            own = affine[p]
+            away_x, away_z = at_x - own[0], at_z - own[1]
+            square = away_x * away_x + away_z * away_z
+            # No branch: which particles are within reach cannot be foreseen. Those beyond weigh nothing.
+            ratio = ti.min(ti.sqrt(square) * per_reach, 1.0)
+            rest = (1.0 - ratio) * (1.0 - ratio)
+            weight = rest * rest * (1.0 + 4.0 * ratio)
+            if beside and weight > 0.0:
+                weight = 0.0 if _behind(eye[0], eye[1], own[0], own[1], parts) else weight
+            blended[0] += weight * (own[2] + own[4] * away_x + own[5] * away_z)
+            blended[1] += weight * (own[3] + own[6] * away_x + own[7] * away_z)
+            for n in ti.static(range(4)):
+                stretch[n] += weight * own[4 + n]
+            weight_sum += weight
+            near = weight > 0.0 and square < closest
+            closest, nearest = ti.select(near, square, closest), ti.select(near, p, nearest)
     turn, strain = 0.0, 0.0
     if weight_sum > 1e-12:
         blended /= weight_sum
         stretch /= weight_sum
         # The rotation in F = I + grad u (polar decomposition); half the curl where it is small.
-        turn = ti.atan2(stretch[1, 0] - stretch[0, 1], 2.0 + stretch[0, 0] + stretch[1, 1])
+        turn = ti.atan2(stretch[2] - stretch[1], 2.0 + stretch[0] + stretch[3])
         strain = _shear_strain(stretch)
     else:
         nearest = -1
@@ -306,11 +306,7 @@ def _blend(
 
 @ti.kernel
 def blend_at_nodes(
-    x: _f64,
-    z: _f64,
-    moved_x: _f64,
-    moved_z: _f64,
-    gradient: _f64_block,
+    affine: _f64_eights,
     first: _i32,
     grid: grid_vector,
     shape: shape_vector,
@@ -332,11 +328,7 @@ def blend_at_nodes(
             found = _blend(
                 left + i * spacing,
                 bottom + j * spacing,
-                x,
-                z,
-                moved_x,
-                moved_z,
-                gradient,
+                affine,
                 first,
                 grid,
                 shape,
@@ -403,14 +395,14 @@ def _spline(s, t, i, j, inner, value: ti.template(), nearest: ti.template()):
 
 
 @ti.func
-def _nearest_of(p, q, s, t, x: ti.template(), z: ti.template(), nearest: ti.template(), reach):
+def _nearest_of(p, q, s, t, affine: ti.template(), nearest: ti.template(), reach):
     """Nearest to a point of the particles that are nearest to the four nodes around it; -1: none in reach."""
     closest, near, last = reach * reach, -1, -1
     low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
     for n in ti.static(range(4)):
         candidate = nearest[low_j + n // 2, low_i + n % 2]
         if candidate >= 0 and candidate != last:
-            square = (p - x[candidate]) ** 2 + (q - z[candidate]) ** 2
+            square = (p - affine[candidate][0]) ** 2 + (q - affine[candidate][1]) ** 2
             if square < closest:
                 closest, near = square, candidate
         last = candidate
@@ -423,11 +415,7 @@ def carry(
     at_z: _f64,
     angle: _f64,
     alive: _u8,
-    x: _f64,
-    z: _f64,
-    moved_x: _f64,
-    moved_z: _f64,
-    gradient: _f64_block,
+    affine: _f64_eights,
     first: _i32,
     grid: grid_vector,
     shape: shape_vector,
@@ -457,14 +445,14 @@ def carry(
         if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
             kind = state[j, i]
             if kind == BESIDE:
-                found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
+                found = _blend(p, q, affine, first, grid, shape, reach, parts)
                 u, v, turn, lives = found[0], found[1], found[2], found[4] >= 0.0
             else:
                 blended = _spline(s, t, i, j, kind == INNER, value, nearest)
                 u, v, turn = blended[0], blended[1], blended[2]
                 lives = kind != FREE and kind != NOWHERE
                 if not lives:
-                    lives = _nearest_of(p, q, s, t, x, z, nearest, reach) >= 0
+                    lives = _nearest_of(p, q, s, t, affine, nearest, reach) >= 0
         if not lives:
             u, v, turn = 0.0, 0.0, 0.0
         next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
@@ -476,11 +464,7 @@ def look_around(
     at_x: _f64,
     at_z: _f64,
     chosen: _i32,
-    x: _f64,
-    z: _f64,
-    moved_x: _f64,
-    moved_z: _f64,
-    gradient: _f64_block,
+    affine: _f64_eights,
     first: _i32,
     order: _i32,
     grid: grid_vector,
@@ -506,11 +490,11 @@ def look_around(
         if 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
             kind = state[j, i]
             if kind == BESIDE:
-                found = _blend(p, q, x, z, moved_x, moved_z, gradient, first, grid, shape, reach, parts)
+                found = _blend(p, q, affine, first, grid, shape, reach, parts)
                 strained, near = found[3], int(found[4])
             else:
                 strained = _spline(s, t, i, j, kind == INNER, value, nearest)[3]
-                near = _nearest_of(p, q, s, t, x, z, nearest, reach)
+                near = _nearest_of(p, q, s, t, affine, nearest, reach)
         strain[c], particle[c] = ti.cast(strained, ti.f32), -1
         if near >= 0:
             particle[c] = order[near]
@@ -518,7 +502,7 @@ def look_around(
 
 @ti.func
 def _shear_strain(gradient):
-    """Equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric gradient."""
-    stretch = gradient[0, 0] - gradient[1, 1]
-    shear = gradient[0, 1] + gradient[1, 0]
+    """Equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric gradient, given row by row."""
+    stretch = gradient[0] - gradient[3]
+    shear = gradient[1] + gradient[2]
     return ti.sqrt(stretch * stretch + shear * shear)

@@ -10,7 +10,7 @@ from functools import lru_cache
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.cover_kernels import IMPLEMENT, NOTHING, box_vector
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, box_vector, remainder
 from synth.camera.samples import rows_at_once
 from synth.camera.shares import SHARES
 
@@ -33,7 +33,7 @@ def grain_radiance(sampling: int):
     """Kernel of the light of every sample: of the grain that covers it, or of what is behind the grains.
 
     A grain is a flattened half sphere with a tilted face; the lamps' directions are (-+lamp_side, 0,
-    lamp_front), the last towards the camera. Its arguments: tiled grains, their angles and looks, the light, the
+    lamp_front), the last towards the camera, times the share of the light that is theirs. Its arguments: tiled grains, their angles and looks, the light, the
     light behind the grains of every pixel, the samples in groups (`synth.camera.samples`), scratch for the
     grains' faces, and the radiance, row by row of samples, as a table of a pixel's samples in a row.
     """
@@ -71,31 +71,33 @@ def grain_radiance(sampling: int):
                 for k in range(first[row * columns + left], first[row * columns + right]):
                     g = grain[k]
                     turned = _turned_slope(slope_x[g], slope_y[g], ti.cast(angle[g], ti.f32))
-                    face[k] = _face(place[k, 0], place[k, 1], place[k, 2], roundness, turned, brightness[g])
+                    face[k] = _face(place[k, 0], place[k, 1], place[k, 2], roundness, turned, intensity * brightness[g])
                 for j in range(row * tile, ti.min((row + 1) * tile, behind.shape[0])):
                     for i in range(left * tile, ti.min(right * tile, behind.shape[1])):
                         for q in range(sampling // rows):
-                            keys = samples[j, i, q]
-                            light = ti.Vector([behind[j, i]] * ti.static(rows * sampling))
+                            keys, back = samples[j, i, q], behind[j, i]
+                            down = j * sampling + q * rows
                             if keys.max() != IMPLEMENT and keys.min() != NOTHING:
                                 light = _light_of_group(
                                     keys,
                                     face,
                                     index_mask,
-                                    ti.cast(i % tile * sampling, ti.f32),
-                                    ti.cast(j % tile * sampling + q * rows, ti.f32),
-                                    intensity,
+                                    ti.cast(remainder(i, tile) * sampling, ti.f32),
+                                    ti.cast(remainder(down, tile * sampling), ti.f32),
                                     ambient,
                                     lamp_side,
                                     lamp_front,
-                                    behind[j, i],
+                                    back,
                                     sampling,
                                     rows,
                                 )
-                            for r in ti.static(range(rows)):
-                                radiance[j * sampling + q * rows + r, i] = ti.Vector(
-                                    [light[r * sampling + a] for a in range(sampling)]
-                                )
+                                for r in ti.static(range(rows)):
+                                    radiance[down + r, i] = ti.Vector(
+                                        [light[r * sampling + a] for a in range(sampling)]
+                                    )
+                            else:  # far and wide no grain
+                                for r in ti.static(range(rows)):
+                                    radiance[down + r, i] = ti.Vector([back] * sampling)
 
     return kernel
 
@@ -146,7 +148,6 @@ def _light_of_group(
     index_mask,
     across_tile,
     down_tile,
-    intensity,
     ambient,
     lamp_side,
     lamp_front,
@@ -173,8 +174,8 @@ def _light_of_group(
         across, down = off_x + shown[3, n], off_y + shown[4, n]
         lit, aside = front * lamp_front, ti.abs(across * lamp_side)
         # max(lit - aside, 0) + max(lit + aside, 0) of both lamps: lit is positive.
-        lamps = (lit + ti.max(lit, aside)) / ti.sqrt(across * across + down * down + front * front)
-        own = intensity * shown[5, n] * (ambient + (1 - ambient) * lamps)
+        lamps = lit + ti.max(lit, aside)
+        own = shown[5, n] * (ambient + lamps / ti.sqrt(across * across + down * down + front * front))
         light[n] = ti.select(keys[n] != NOTHING and keys[n] != IMPLEMENT, own, behind)
     return light
 

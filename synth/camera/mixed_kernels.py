@@ -7,12 +7,12 @@ Coordinates and buffers as in `synth.camera.cover_kernels`, motions as in `synth
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.cover_kernels import IMPLEMENT, NOTHING
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder
 from synth.camera.motion_kernels import BLOCK, body_vector, rigid_motion, spin
 from synth.camera.shares import SHARES
 
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
-_f32_eights = ti.types.ndarray(dtype=ti.types.vector(8, ti.f32), ndim=1)
+_f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
 _i32_samples = ti.types.ndarray(dtype=ti.i32, ndim=4)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 
@@ -20,11 +20,13 @@ _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 @ti.kernel
 def find_mixed(
     samples: _i32_samples,
-    motion: _f32_eights,
+    place: _f32_table,
+    motion: _f32_fours,
     spread: _f32_table,
     outside: _f32_table,
     body: body_vector,
     view: projection.numbers,
+    tile: ti.template(),
     index_mask: ti.i32,
     sampling: ti.template(),
     margin: ti.i32,
@@ -50,7 +52,9 @@ def find_mixed(
                 still = _alike(j, i, samples, motion, index_mask, sampling, limit)
             found = False
             if not still:
-                found = _differs(j, i, samples, motion, body, view, index_mask, sampling, margin, limit)
+                found = _differs(
+                    j, i, samples, place, motion, body, view, tile, index_mask, sampling, margin, limit
+                )
             mixed[j - margin, i - margin] = ti.cast(found, ti.u8)
 
 
@@ -94,9 +98,11 @@ def _differs(
     j,
     i,
     samples: ti.template(),
+    place: ti.template(),
     motion: ti.template(),
     body,
     view,
+    tile: ti.template(),
     index_mask,
     sampling: ti.template(),
     margin,
@@ -107,7 +113,9 @@ def _differs(
     low, high = ti.Vector([ti.f32(1e30)] * 2), ti.Vector([ti.f32(-1e30)] * 2)
     for b in range(sampling):
         for a in range(sampling):
-            found = _sample_motion(j, i, b, a, samples, motion, body, view, index_mask, sampling, margin)
+            found = _sample_motion(
+                j, i, b, a, samples, place, motion, body, view, tile, index_mask, sampling, margin
+            )
             low = ti.min(low, ti.select(found[2] > 0.0, found[:2], low))
             high = ti.max(high, ti.select(found[2] > 0.0, found[:2], high))
     span = high - low
@@ -117,10 +125,14 @@ def _differs(
         # Only here the box around the motions does not decide: compare every two samples.
         for n in range(sampling**2):
             b, a = n // sampling, n % sampling
-            one = _sample_motion(j, i, b, a, samples, motion, body, view, index_mask, sampling, margin)
+            one = _sample_motion(
+                j, i, b, a, samples, place, motion, body, view, tile, index_mask, sampling, margin
+            )
             for m in range(n):
                 b, a = m // sampling, m % sampling
-                two = _sample_motion(j, i, b, a, samples, motion, body, view, index_mask, sampling, margin)
+                two = _sample_motion(
+                    j, i, b, a, samples, place, motion, body, view, tile, index_mask, sampling, margin
+                )
                 if one[2] * two[2] > 0.0 and (one[:2] - two[:2]).norm() > limit:
                     result = True
     return result
@@ -133,25 +145,29 @@ def _sample_motion(
     b,
     a,
     samples: ti.template(),
+    place: ti.template(),
     motion: ti.template(),
     body,
     view,
+    tile: ti.template(),
     index_mask,
     sampling: ti.template(),
     margin,
 ):
     """Motion at a sample of the buffer, and whether there is one (third component)."""
     key = samples[j, i, b, a]
-    x, y = (a + 0.5) / sampling - 0.5 + (i - margin), (b + 0.5) / sampling - 0.5 + (j - margin)
     result = ti.Vector([ti.f32(0.0), ti.f32(0.0), ti.f32(0.0)])
     if key == IMPLEMENT:
+        x, y = (a + 0.5) / sampling - 0.5 + (i - margin), (b + 0.5) / sampling - 0.5 + (j - margin)
         at = projection.undistorted(view, x, y)
         moved = rigid_motion(at[0] - body[0], at[1] - body[1], body[2], body[3], body[4], body[5])
         result = ti.Vector([ti.cast(moved[0], ti.f32), ti.cast(moved[1], ti.f32), ti.f32(1.0)])
     elif key != NOTHING:
-        own = motion[key & index_mask]
+        k, pixel = key & index_mask, ti.f32(1.0 / sampling)
+        own = motion[k]
         turn = spin(own[2])
-        off_x, off_y = ti.cast(x, ti.f32) - own[4], ti.cast(y, ti.f32) - own[5]
+        off_x = (ti.cast(remainder(i, tile) * sampling + a, ti.f32) - place[k, 0]) * pixel
+        off_y = (ti.cast(remainder(j, tile) * sampling + b, ti.f32) - place[k, 1]) * pixel
         moved = rigid_motion(off_x, off_y, own[0], own[1], turn[0], turn[1])
         result = ti.Vector([moved[0], moved[1], ti.select(own[3] >= 0, ti.f32(1.0), ti.f32(0.0))])
     return result

@@ -3,9 +3,8 @@
 
 Coordinates and buffers as in `synth.camera.cover_kernels`.
 
-The motion of a tiled grain between two pictures is eight numbers: displacement of its centre to the right and
-downwards (px), its turn from x towards y (rad), how far that moves its rim (px) or -1 if the grain is lost, and
-its centre in the first picture (px); two are not used.
+The motion of a tiled grain between two pictures is four numbers: displacement of its centre to the right and
+downwards (px), its turn from x towards y (rad), and how far that moves its rim (px) or -1 if the grain is lost.
 """
 
 import taichi as ti
@@ -17,15 +16,16 @@ _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_pairs = ti.types.ndarray(dtype=ti.types.vector(2, ti.f64), ndim=2)
 _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
-_f32_eights = ti.types.ndarray(dtype=ti.types.vector(8, ti.f32), ndim=1)
-_f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=2)
+_f32_pairs = ti.types.ndarray(dtype=ti.types.vector(2, ti.f32), ndim=2)
+_f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
+_f32_fours_table = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=2)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
 body_vector = ti.types.vector(6, ti.f64)
 """An implement's reference point (px of an ideal lens), its displacement, cos - 1 and sin of its turn."""
-BLOCK = 8
+BLOCK = 4
 """px; side of the squares for which the spread of motions is bounded. A tile's is a multiple."""
 
 
@@ -69,9 +69,9 @@ def grain_motions(
     tile: ti.template(),
     sampling: ti.template(),
     enough: ti.f32,
-    motion: _f32_eights,
-    low: _f32_fours,
-    high: _f32_fours,
+    motion: _f32_fours,
+    low: _f32_fours_table,
+    high: _f32_fours_table,
     spread: _f32_table,
 ):
     """Motion of every tiled grain, and how far apart those of a block's grains can be.
@@ -99,10 +99,7 @@ def grain_motions(
             moved = ti.Vector([ti.cast(to[0] - at[0], ti.f32), ti.cast(to[1] - at[1], ti.f32), turn, rim])
             least = ti.select(there, ti.min(least, moved), least)
             most = ti.select(there, ti.max(most, moved), most)
-            middle = ti.cast(at, ti.f32)
-            motion[k] = ti.Vector(
-                [moved[0], moved[1], turn, rim, middle[0], middle[1], ti.f32(0.0), ti.f32(0.0)]
-            )
+            motion[k] = moved
         whole = _bound(least, most)
         for j, i in ti.ndrange((row, row + across), (column, column + across)):
             spread[j, i] = whole
@@ -129,7 +126,7 @@ def _spread_in_tile(
     for j, i in ti.ndrange((row, row + across), (column, column + across)):
         low[j, i], high[j, i] = ti.Vector([ti.f32(1e30)] * 4), ti.Vector([ti.f32(-1e30)] * 4)
     for k in range(first[t], first[t + 1]):
-        moved = ti.Vector([motion[k][n] for n in range(4)])
+        moved = motion[k]
         if moved[3] >= 0:
             x, y, radius = place[k, 0], place[k, 1], place[k, 2]
             low_i = ti.max(ti.cast(ti.floor((x - radius) * per_block), ti.i32), 0)
@@ -160,7 +157,8 @@ def _lands_inside(i, j, u, v, width, height):
 @ti.kernel
 def soil_motion(
     filled: _i32_table,
-    motion: _f32_eights,
+    off: _f32_pairs,
+    motion: _f32_fours,
     strain: _f32,
     particle: _i32,
     u: _f32_table,
@@ -170,7 +168,10 @@ def soil_motion(
     pixel_particle: _i32_table,
     valid: _u8_table,
 ):
-    """Motion of the grain at every pixel centre; NaN, and particle -1, without one or where it is lost."""
+    """Motion of the grain at every pixel centre; NaN, and particle -1, without one or where it is lost.
+
+    `filled` and `off` are those of `void_kernels.fill_voids`.
+    """
     for share in range(filled.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
@@ -184,8 +185,7 @@ def soil_motion(
                 own = motion[k]
                 if own[3] >= 0:
                     turn = spin(own[2])
-                    off_x, off_y = ti.cast(i, ti.f32) - own[4], ti.cast(j, ti.f32) - own[5]
-                    moved = rigid_motion(off_x, off_y, own[0], own[1], turn[0], turn[1])
+                    moved = rigid_motion(off[j, i][0], off[j, i][1], own[0], own[1], turn[0], turn[1])
                     turned, strained = own[2], strain[k]
             u[j, i], v[j, i], rotation[j, i], pixel_strain[j, i] = moved[0], moved[1], turned, strained
             pixel_particle[j, i] = near

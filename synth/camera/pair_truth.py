@@ -57,7 +57,7 @@ def _camera_motion(view: "View", next_view: "View") -> dict[str, float]:
 def _grain_motions(
     covered: "Cover", placement: "Placement", other: "Placement", next_view: "View"
 ) -> "tuple[np.ndarray, np.ndarray]":
-    """Motion of every tiled grain, (n, 8) float32, and its spread in blocks: see `motion_kernels.py`."""
+    """Motion of every tiled grain, (n, 4) float32, and its spread in blocks: see `motion_kernels.py`."""
     import numpy as np
 
     from synth.camera import motion_kernels
@@ -65,7 +65,7 @@ def _grain_motions(
 
     tiled, across = covered.tiled, TILE // motion_kernels.BLOCK
     blocks = (len(tiled.first) - 1) // tiled.columns * across, tiled.columns * across
-    motion, spread = np.empty((len(tiled.grain), 8), np.float32), np.empty(blocks, np.float32)
+    motion, spread = np.empty((len(tiled.grain), 4), np.float32), np.empty(blocks, np.float32)
     scratch = np.empty((2, *blocks, 4), np.float32)
     motion_kernels.grain_motions(
         tiled.first,
@@ -99,11 +99,11 @@ def _soil_arrays(
         name: np.empty(shape, np.float32) for name in ("u", "v", "rotation", "strain_rate")
     }
     arrays["particle_id"], valid = np.empty(shape, np.int32), np.empty(shape, np.uint8)
-    filled, seen = _filled_voids(covered)
+    filled, off, seen = _filled_voids(covered)
     around = motion.surroundings(placement, second, covered.tiled.grain[seen])
     strain, particle = np.empty(len(moved), np.float32), np.empty(len(moved), np.int32)
     strain[seen], particle[seen] = around.strain, around.particle
-    motion_kernels.soil_motion(filled, moved, strain, particle, *arrays.values(), valid)
+    motion_kernels.soil_motion(filled, off, moved, strain, particle, *arrays.values(), valid)
     arrays["valid"] = valid.view(bool)
     arrays["soil"] = covered.soil
     arrays["implement"] = covered.centres == cover_kernels.IMPLEMENT
@@ -111,14 +111,18 @@ def _soil_arrays(
     return arrays
 
 
-def _filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray]":
-    """Tiled grain at every pixel centre or, in a void, beside it (-1: none), (H, W); and all of these."""
+def _filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
+    """Tiled grain at every pixel centre or, in a void, beside it (-1: none), (H, W); more see below.
+
+    The pixel's centre from the grain's, px, (H, W, 2); and which tiled grains these are, (seen,).
+    """
     import numpy as np
 
     from synth.camera import void_kernels
     from synth.camera.cover import VOID_REACH
 
     filled, seen = np.empty_like(covered.centres), np.zeros(len(covered.tiled.grain), np.uint8)
+    off = np.empty((*filled.shape, 2), np.float32)
     void_kernels.fill_voids(
         covered.centres,
         covered.soil.view(np.uint8),
@@ -130,9 +134,10 @@ def _filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray]":
         covered.margin,
         float(VOID_REACH),
         filled,
+        off,
         seen,
     )
-    return filled, np.flatnonzero(seen)
+    return filled, off, np.flatnonzero(seen)
 
 
 def add_implement(arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_face: "ImplementFace") -> None:
@@ -203,11 +208,13 @@ def _mixed(
     mixed = np.empty(covered.centres.shape, np.uint8)
     mixed_kernels.find_mixed(
         covered.samples,
+        covered.tiled.place,
         moved,
         spread,
         outside,
         mixed_kernels.body_vector(body),
         mixed_kernels.projection.numbers(covered.view.numbers),
+        TILE,
         covered.tiled.index_mask,
         covered.sampling,
         covered.margin,

@@ -121,7 +121,7 @@ class ParticleField:
             z,
             angle,
             alive,
-            *self._particles,
+            self._affine,
             self._cells.first,
             *self._where,
             _BLEND_REACH * self._diameter,
@@ -151,7 +151,7 @@ class ParticleField:
             x,
             z,
             chosen,
-            *self._particles,
+            self._affine,
             self._cells.first,
             self._order,
             *self._where,
@@ -163,9 +163,13 @@ class ParticleField:
         )
         return particle, strain
 
-    @property
-    def _particles(self) -> "tuple[np.ndarray, ...]":
-        return self._x, self._z, self._moved_x, self._moved_z, self._gradient
+    @cached_property
+    def _affine(self) -> "np.ndarray":
+        """Every particle's place, displacement and gradient: see `field_kernels.py`; (particle, 8)."""
+        import numpy as np
+
+        gradient = self._gradient.reshape(-1, 4).T
+        return np.stack([self._x, self._z, self._moved_x, self._moved_z, *gradient], axis=1)
 
     @cached_property
     def _where(self) -> tuple[Any, Any]:
@@ -242,7 +246,7 @@ class ParticleField:
         nearest = np.empty((rows, columns), np.int32)
         where = (left, bottom, spacing, value, nearest, state)
         field_kernels.blend_at_nodes(
-            *self._particles, self._cells.first, *self._where, reach, self._parts, *where
+            self._affine, self._cells.first, *self._where, reach, self._parts, *where
         )
         field_kernels.find_inner(state)
         return where

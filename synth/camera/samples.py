@@ -10,8 +10,8 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     import numpy as np
 
-_MOST_LANES = 18
-"""Samples in a group: more make no faster, but longer code."""
+_MOST_LANES = 36
+"""Samples in a group: more take long to compile."""
 
 
 def rows_at_once(sampling: int) -> int:

@@ -6,10 +6,11 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 
 import taichi as ti
 
-from synth.camera.cover_kernels import IMPLEMENT, NOTHING
+from synth.camera.cover_kernels import IMPLEMENT, NOTHING, quotient, remainder
 from synth.camera.shares import SHARES
 
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
+_f32_pairs = ti.types.ndarray(dtype=ti.types.vector(2, ti.f32), ndim=2)
 _i32_samples = ti.types.ndarray(dtype=ti.i32, ndim=4)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
@@ -28,26 +29,34 @@ def fill_voids(
     margin: ti.i32,
     reach: ti.f32,
     filled: _i32_table,
+    off: _f32_pairs,
     seen: _u8,
 ):
     """Grain at every pixel centre, as its place among the tiled ones, or -1.
 
     In a soil's void it is the visible grain whose rim is nearest: rings of samples around the pixel are
-    searched outwards until none can be nearer, or `reach` px. `seen` becomes 1 for every grain of the table.
+    searched outwards until none can be nearer, or `reach` px. `off` is the pixel's centre from the grain's, px;
+    `seen` becomes 1 for every grain of the table.
     """
     for share in range(centres.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
         j = share // SHARES
         for i in range(centres.shape[1]):
-            found = -1
-            if centres[j, i] != NOTHING and centres[j, i] != IMPLEMENT:
-                found = centres[j, i] & index_mask
-            if centres[j, i] == NOTHING and soil[j, i] == 1:
-                found = _nearest_visible(
+            key = centres[j, i]
+            found, off_x, off_y = -1, ti.f32(0.0), ti.f32(0.0)
+            if key != NOTHING and key != IMPLEMENT:
+                found = key & index_mask
+                at = _off_centre(
+                    j + margin, i + margin, j + margin, i + margin, found, place, tile, sampling
+                )
+                off_x, off_y = at[1], at[2]
+            elif key == NOTHING and soil[j, i] == 1:
+                found, off_x, off_y = _nearest_visible(
                     i + margin, j + margin, samples, place, tile, index_mask, sampling, margin, reach
                 )
             filled[j, i] = found
+            off[j, i] = ti.Vector([off_x, off_y]) * ti.f32(1.0 / sampling)
             if found >= 0:
                 seen[found] = ti.u8(1)
 
@@ -64,34 +73,50 @@ def _nearest_visible(
     margin,
     reach,
 ):
-    """Place among the tiled grains of the nearest one seen around a pixel of the buffer; -1: none."""
-    corner_j, corner_i = j * sampling, i * sampling
-    middle = ti.f32(0.5 * (sampling - 1))
-    at_x, at_y = ti.cast(corner_i, ti.f32) + middle, ti.cast(corner_j, ti.f32) + middle
-    side = tile * sampling
-    nearest = reach * ti.f32(1.0 * sampling)
-    found, last, ring = -1, -1, -((sampling - 1) // 2)  # from the pixel's middle
-    while ti.cast(ring, ti.f32) < nearest and ring <= margin * sampling:
-        top, left = corner_j - ring, corner_i - ring
+    """The nearest one of the grains seen around a pixel of the buffer (-1: none), and how far off its centre is.
+
+    Its place among the tiled grains; then the pixel's centre from the grain's, along x and y, in samples. First
+    the pixel's own samples are looked at, then rings around it.
+    """
+    nearest = ti.Vector([reach * ti.f32(1.0 * sampling), ti.f32(0.0), ti.f32(0.0)])
+    found, last, ring = -1, -1, 1
+    for b in range(sampling):
+        for a in range(sampling):
+            key = samples[j, i, b, a]
+            if key != NOTHING and key != IMPLEMENT and key & index_mask != last:
+                last = key & index_mask
+                off = _off_centre(j, i, j, i, last, place, tile, sampling)
+                if off[0] < nearest[0]:
+                    nearest, found = off, last
+    while ti.cast(ring, ti.f32) < nearest[0] and ring <= margin * sampling:
         size = sampling + 2 * ring
-        for n in range(size):
+        for n in range(size - 1):
             for edge in ti.static(range(4)):
-                a, b = top, left
+                b, a = j * sampling - ring, i * sampling - ring
                 if ti.static(edge == 0):
-                    b += n
+                    a += n
                 elif ti.static(edge == 1):
                     a, b = a + size - 1, b + n
                 elif ti.static(edge == 2):
-                    a += n
+                    a, b = a + size - 1 - n, b + size - 1
                 else:
-                    a, b = a + n, b + size - 1
-                key = samples[a // sampling, b // sampling, a % sampling, b % sampling]
+                    b += size - 1 - n
+                row, column = quotient(b, sampling), quotient(a, sampling)
+                key = samples[row, column, remainder(b, sampling), remainder(a, sampling)]
                 if key != NOTHING and key != IMPLEMENT and key & index_mask != last:
-                    k = last = key & index_mask
-                    off_x = at_x - (place[k, 0] + ti.cast(b // side * side, ti.f32))
-                    off_y = at_y - (place[k, 1] + ti.cast(a // side * side, ti.f32))
-                    gap = ti.sqrt(off_x * off_x + off_y * off_y) - place[k, 2]
-                    if gap < nearest:
-                        nearest, found = gap, k
+                    last = key & index_mask
+                    off = _off_centre(j, i, row, column, last, place, tile, sampling)
+                    if off[0] < nearest[0]:
+                        nearest, found = off, last
         ring += 1
-    return found
+    return found, nearest[1], nearest[2]
+
+
+@ti.func
+def _off_centre(j, i, row, column, k, place: ti.template(), tile: ti.template(), sampling: ti.template()):
+    """From the rim, then from the centre of a grain that is tiled with a pixel, to pixel (j, i)'s centre: samples."""
+    middle = ti.f32(0.5 * (sampling - 1))
+    x = (i - quotient(column, tile) * tile) * sampling
+    y = (j - quotient(row, tile) * tile) * sampling
+    off_x, off_y = ti.cast(x, ti.f32) + middle - place[k, 0], ti.cast(y, ti.f32) + middle - place[k, 1]
+    return ti.Vector([ti.sqrt(off_x * off_x + off_y * off_y) - place[k, 2], off_x, off_y])
