@@ -20,5 +20,8 @@ def deflated_chunk(values: "np.ndarray") -> bytes:
 
     size = values.dtype.itemsize
     octets = np.ascontiguousarray(values).view(np.uint8).reshape(len(values), -1, size)
-    shuffled = np.stack(cv2.split(octets)) if size > 1 else octets
+    if size == 1:
+        return isal_zlib.compress(octets, _LEVEL)
+    shuffled = np.empty((size, *octets.shape[:2]), np.uint8)
+    cv2.split(octets, list(shuffled))
     return isal_zlib.compress(shuffled, _LEVEL)

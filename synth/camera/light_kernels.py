@@ -260,10 +260,10 @@ def _implement_row(
     radiance: ti.template(),
 ):
     for i in range(box[0], box[2]):
-        seen = False
+        seen = 0
         for b, a in ti.ndrange(sampling, sampling):
-            seen = seen or samples[j, i, b, a] == IMPLEMENT
-        if seen:
+            seen += ti.cast(samples[j, i, b, a] == IMPLEMENT, ti.i32)
+        if seen > 0:
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
             off_x, off_y = at[0] - x, at[1] - y
             body_x, body_y = cosine * off_x + sine * off_y, cosine * off_y - sine * off_x
@@ -278,7 +278,7 @@ def _implement_row(
             )
             value = ti.cast(light * (pattern + 0.25 * blotch), ti.f32)
             for b, a in ti.ndrange(sampling, sampling):
-                if samples[j, i, b, a] == IMPLEMENT:
+                if seen == sampling * sampling or samples[j, i, b, a] == IMPLEMENT:
                     radiance[j * sampling + b, i * sampling + a] = value
 
 

@@ -137,7 +137,7 @@ def _filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray, np.ndarray
         off,
         seen,
     )
-    return filled, off, np.flatnonzero(seen)
+    return filled, off, np.flatnonzero(seen.view(bool))
 
 
 def add_implement(arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_face: "ImplementFace") -> None:
