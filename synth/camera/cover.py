@@ -31,7 +31,8 @@ class Cover:
     tiled : TiledGrains
     face : ImplementFace or None
     samples : (H + 2 margin, W + 2 margin, S, S) int32
-        Every pixel's samples, by row and column: key of the foremost micro-grain, `cover_kernels.IMPLEMENT` or `cover_kernels.NOTHING`.
+        Every pixel's samples, by row and column: key of the foremost micro-grain,
+        `cover_kernels.IMPLEMENT` or `cover_kernels.NOTHING`.
     centres : (H, W) int32
         The same at the pixels' centres, exactly.
     soil : (H, W) bool

@@ -10,7 +10,7 @@ micro-grain's, or `NOTHING`. Every tile has one writer, and the least key wins w
 results are the same on any number of threads.
 """
 
-from functools import lru_cache
+from functools import cache
 
 import taichi as ti
 
@@ -60,12 +60,12 @@ def fill_discs(x: _f64, y: _f64, radius: _f64, mask: _u8_table):
                 mask[j, i] = ti.u8(1)
 
 
-@lru_cache(maxsize=None)
+@cache
 def cover_by_grains(sampling: int):
     """Kernel that covers samples, S x S to a pixel, and pixel centres by grains: see `_cover_tile`.
 
-    Its arguments: the tiles' first grains, tiles in a row, the grains' places and keys, the side of a tile in px,
-    the samples in groups (`synth.camera.samples`), and the pixels' centres, margin and all.
+    Its arguments: the tiles' first grains, tiles in a row, the grains' places and keys, the side of a tile
+    in px, the samples in groups (`synth.camera.samples`), and the pixels' centres, margin and all.
     """
     rows = rows_at_once(sampling)
     groups = ti.types.ndarray(dtype=ti.types.vector(rows * sampling, ti.i32), ndim=3)
@@ -127,9 +127,7 @@ def _cover_tile(
             for i in range(low_i, high_i + 1):
                 across = ti.cast(i * sampling, ti.f32) - x
                 at = column + i
-                samples[j, at, q] = _nearer(
-                    samples[j, at, q], across, down, reach, key[k], sampling, rows
-                )
+                samples[j, at, q] = _nearer(samples[j, at, q], across, down, reach, key[k], sampling, rows)
                 if q == ti.static(sampling // 2 // rows):  # the group that the pixel's centre is in
                     middle = ti.static(0.5 * (sampling - 1) - (sampling // 2 // rows) * rows)
                     off_x = across + ti.f32(0.5 * (sampling - 1))
@@ -140,7 +138,7 @@ def _cover_tile(
 
 @ti.func
 def _nearer(keys, across, down, radius, key, sampling: ti.template(), rows: ti.template()):
-    """Keys of a group after a disc was put in; its first sample lies at (across, down) from the disc's centre."""
+    """Keys of a group after a disc was put in, from whose centre its first sample is (across, down) away."""
     for n in ti.static(range(rows * sampling)):
         off_x, off_y = across + ti.f32(1.0 * (n % sampling)), down + ti.f32(1.0 * (n // sampling))
         own = ti.select(off_x * off_x + off_y * off_y <= radius * radius, key, NOTHING)

@@ -1,19 +1,18 @@
 # type: ignore  # taichi reads annotations and operators in its own way
-"""Taichi kernels of the particles' motion. Import this module only after `synth.devices.start_taichi`.
+"""Taichi kernels of the particles' motion as a field. Import only after `synth.devices.start_taichi`.
 
-World coordinates throughout: m, z up. Particles are sorted by square cells; `first` holds each cell's first
-particle, with one entry more than there are cells. `grid` holds the cells' left, bottom and size, `shape`
-their columns and rows. `affine` holds what a particle says of the motion around it: its x and z, its
-displacement along both, and the displacement gradient row by row. Every thread gathers for its own points.
+Coordinates and cells as in `synth.camera.sight_kernels`. `affine` holds what a particle says of the motion
+around it: its x and z, its displacement along both, and the displacement gradient row by row. Every thread
+gathers for its own points.
 """
 
 import taichi as ti
 
 from synth.camera.shares import SHARES
+from synth.camera.sight_kernels import behind, cells_around, grid_vector, outside, shape_vector
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
-_f64_block = ti.types.ndarray(dtype=ti.f64, ndim=3)
 _f64_eights = ti.types.ndarray(dtype=ti.types.vector(8, ti.f64), ndim=1)
 _f64_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f64), ndim=2)
 _f32 = ti.types.ndarray(dtype=ti.f32, ndim=1)
@@ -21,234 +20,11 @@ _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _i32_table = ti.types.ndarray(dtype=ti.i32, ndim=2)
 _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 _u8_table = ti.types.ndarray(dtype=ti.u8, ndim=2)
-grid_vector = ti.types.vector(3, ti.f64)
-shape_vector = ti.types.vector(2, ti.i32)
 
 NOWHERE, FREE, CLOSE, BESIDE, INNER = 0, 1, 2, 3, 4
 """A node without a particle near, one with, one with a particle so close that every point around the node has
 it near, one beside the implement, whose value holds on its side only, and a close one with all around it free
 or close."""
-
-
-@ti.func
-def _cells_around(x, z, reach, grid, shape):
-    """Columns and rows, first and last, of the cells within reach."""
-    low = ti.Vector([x - reach - grid[0], z - reach - grid[1]]) / grid[2]
-    high = ti.Vector([x + reach - grid[0], z + reach - grid[1]]) / grid[2]
-    top = ti.Vector([shape[0] - 1, shape[1] - 1])
-    low_i = ti.min(ti.max(int(ti.floor(low[0])), 0), top[0])
-    low_j = ti.min(ti.max(int(ti.floor(low[1])), 0), top[1])
-    high_i = ti.min(ti.max(int(ti.floor(high[0])), 0), top[0])
-    high_j = ti.min(ti.max(int(ti.floor(high[1])), 0), top[1])
-    return ti.Vector([low_i, high_i, low_j, high_j])
-
-
-@ti.func
-def _to_segment(px, pz, ax, az, bx, bz):
-    """From a point to the nearest point of a line from a to b."""
-    ex, ez = bx - ax, bz - az
-    length = ex * ex + ez * ez
-    along = 0.0
-    if length > 0.0:
-        along = ti.max(0.0, ti.min(1.0, ((px - ax) * ex + (pz - az) * ez) / length))
-    return ti.Vector([ax + along * ex - px, az + along * ez - pz])
-
-
-@ti.func
-def _outside(x, z, parts: ti.template()):
-    """A point, or the nearest point of the implement's outline where it lies inside, and its distance before.
-
-    `parts` are the implement's capsules in the world: both ends and the radius, m.
-    """
-    nearest, to_x, to_z, radius = ti.math.inf, 0.0, 0.0, 0.0
-    for c in range(parts.shape[0]):
-        to = _to_segment(x, z, parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3])
-        if to.norm() - parts[c, 4] < nearest:
-            nearest, to_x, to_z, radius = to.norm() - parts[c, 4], to[0], to[1], parts[c, 4]
-    out_x, out_z = x, z
-    if nearest < 0.0:
-        length = ti.max(nearest + radius, 1e-12)
-        out_x, out_z = x + to_x - to_x / length * radius, z + to_z - to_z / length * radius
-    return ti.Vector([out_x, out_z, nearest])
-
-
-@ti.func
-def _behind(px, pz, qx, qz, parts: ti.template()):
-    """Whether a line passes a capsule's axis nearer than half its radius: goes through the implement."""
-    hidden = False
-    for c in range(parts.shape[0]):
-        ax, az, bx, bz = parts[c, 0], parts[c, 1], parts[c, 2], parts[c, 3]
-        core = 0.5 * parts[c, 4]
-        side_a = (qx - px) * (az - pz) - (qz - pz) * (ax - px)
-        side_b = (qx - px) * (bz - pz) - (qz - pz) * (bx - px)
-        side_p = (bx - ax) * (pz - az) - (bz - az) * (px - ax)
-        side_q = (bx - ax) * (qz - az) - (bz - az) * (qx - ax)
-        crossing = side_a * side_b < 0.0 and side_p * side_q < 0.0
-        near = ti.min(
-            _to_segment(ax, az, px, pz, qx, qz).norm(),
-            _to_segment(bx, bz, px, pz, qx, qz).norm(),
-        )
-        hidden = hidden or crossing or near < core
-    return hidden
-
-
-@ti.func
-def _sees(eye, reach, x, z, parts: ti.template()):
-    """Whether the implement does not hide a point, within reach, from where `_outside` put the eye."""
-    return eye[2] >= reach or not _behind(eye[0], eye[1], x, z, parts)
-
-
-@ti.kernel
-def fit_neighbours(
-    x: _f64,
-    z: _f64,
-    moved_x: _f64,
-    moved_z: _f64,
-    first: _i32,
-    grid: grid_vector,
-    shape: shape_vector,
-    reach: ti.f64,
-    parts: _f64_table,
-    floor: ti.f64,
-    expected: _f64_table,
-):
-    """Displacement of every particle that its neighbours within `reach` lead to expect: columns 0 and 1.
-
-    It is that of an affine motion fitted to the neighbours alone, those on its side of the implement.
-    NaN where there are fewer than six, or they spread less than `floor` (m2) in a direction.
-    """
-    for p in range(x.shape[0]):
-        weight_sum, count = 0.0, 0
-        middle, shift = ti.Vector.zero(ti.f64, 2), ti.Vector.zero(ti.f64, 2)
-        spread, cross = ti.Matrix.zero(ti.f64, 2, 2), ti.Matrix.zero(ti.f64, 2, 2)
-        eye = _outside(x[p], z[p], parts)
-        box = _cells_around(x[p], z[p], reach, grid, shape)
-        for r in range(box[2], box[3] + 1):
-            for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
-                away = ti.Vector([x[q] - x[p], z[q] - z[p]])
-                square = away.norm_sqr() / (reach * reach)
-                if square < 1.0 and q != p and _sees(eye, reach, x[q], z[q], parts):
-                    weight = (1.0 - square) ** 2
-                    relative = ti.Vector([moved_x[q] - moved_x[p], moved_z[q] - moved_z[p]])
-                    weight_sum += weight
-                    count += 1
-                    middle += weight * away
-                    shift += weight * relative
-                    spread += weight * away.outer_product(away)
-                    cross += weight * relative.outer_product(away)
-        expected[p, 0] = expected[p, 1] = ti.math.nan
-        if count >= 6:
-            middle, shift = middle / weight_sum, shift / weight_sum
-            spread = spread / weight_sum - middle.outer_product(middle)
-            cross = cross / weight_sum - shift.outer_product(middle)
-            mean, half = 0.5 * (spread[0, 0] + spread[1, 1]), 0.5 * (spread[0, 0] - spread[1, 1])
-            if mean - ti.sqrt(half * half + spread[0, 1] * spread[0, 1]) >= floor:
-                found = shift - cross @ _floored_inverse(spread, floor) @ middle
-                expected[p, 0], expected[p, 1] = moved_x[p] + found[0], moved_z[p] + found[1]
-
-
-@ti.kernel
-def find_loose(
-    x: _f64,
-    z: _f64,
-    moved_x: _f64,
-    moved_z: _f64,
-    expected: _f64_table,
-    first: _i32,
-    grid: grid_vector,
-    shape: shape_vector,
-    reach: ti.f64,
-    ratio: ti.f64,
-    least: ti.f64,
-    loose: _u8,
-):
-    """Particles further from what is expected than `ratio` times their neighbours' median, plus `least`.
-
-    The normalised median test of Westerweel and Scarano, Experiments in Fluids 39, 2005, with residuals of
-    affine fits in place of those of medians: a gradient is no outlier.
-    """
-    for p in range(x.shape[0]):
-        loose[p] = ti.u8(0)
-        own = ti.sqrt((moved_x[p] - expected[p, 0]) ** 2 + (moved_z[p] - expected[p, 1]) ** 2)
-        if own > least:  # NaN is not
-            count, below = 0, 0
-            box = _cells_around(x[p], z[p], reach, grid, shape)
-            limit = (own - least) / ratio
-            for r in range(box[2], box[3] + 1):
-                for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
-                    square = (x[q] - x[p]) ** 2 + (z[q] - z[p]) ** 2
-                    if square < reach * reach and q != p:
-                        other = ti.sqrt(
-                            (moved_x[q] - expected[q, 0]) ** 2 + (moved_z[q] - expected[q, 1]) ** 2
-                        )
-                        if other >= 0.0:
-                            count += 1
-                            below += int(other < limit)
-            # The median is below the limit where more than half of the neighbours are.
-            if count >= 4 and 2 * below > count:
-                loose[p] = ti.u8(1)
-
-
-@ti.kernel
-def fit_gradients(
-    x: _f64,
-    z: _f64,
-    moved_x: _f64,
-    moved_z: _f64,
-    loose: _u8,
-    first: _i32,
-    grid: grid_vector,
-    shape: shape_vector,
-    reach: ti.f64,
-    parts: _f64_table,
-    floor: ti.f64,
-    gradient: _f64_block,
-):
-    """Displacement gradient at every particle by weighted least squares over its neighbours within `reach`.
-
-    Loose neighbours do not count. Directions in which the others spread less than `floor` (m2) count as if
-    they spread that much: the gradient fades there instead of blowing up.
-    """
-    for p in range(x.shape[0]):
-        spread = ti.Matrix.zero(ti.f64, 2, 2)
-        cross = ti.Matrix.zero(ti.f64, 2, 2)
-        weight_sum = 1.0
-        eye = _outside(x[p], z[p], parts)
-        box = _cells_around(x[p], z[p], reach, grid, shape)
-        for r in range(box[2], box[3] + 1):
-            for q in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
-                away = ti.Vector([x[q] - x[p], z[q] - z[p]])
-                square = away.norm_sqr() / (reach * reach)
-                seen = square < 1.0 and q != p and loose[q] == 0
-                if seen and _sees(eye, reach, x[q], z[q], parts):
-                    weight = (1.0 - square) ** 2
-                    relative = ti.Vector([moved_x[q] - moved_x[p], moved_z[q] - moved_z[p]])
-                    spread += weight * away.outer_product(away)
-                    cross += weight * relative.outer_product(away)
-                    weight_sum += weight
-        fitted = cross @ _floored_inverse(spread / weight_sum, floor) / weight_sum
-        for i in ti.static(range(2)):
-            for j in ti.static(range(2)):
-                gradient[p, i, j] = fitted[i, j]
-
-
-@ti.func
-def _floored_inverse(matrix, floor):
-    """Inverse of a symmetric 2 x 2 matrix whose eigenvalues are lifted to `floor`."""
-    mean = 0.5 * (matrix[0, 0] + matrix[1, 1])
-    half = 0.5 * (matrix[0, 0] - matrix[1, 1])
-    radius = ti.sqrt(half * half + matrix[0, 1] * matrix[0, 1])
-    large, small = ti.max(mean + radius, floor), ti.max(mean - radius, floor)
-    cosine, sine = 1.0, 0.0  # of twice the angle of the larger eigenvalue's direction
-    if radius > 0.0:
-        cosine, sine = half / radius, matrix[0, 1] / radius
-    inverse_mean, inverse_half = 0.5 * (1.0 / large + 1.0 / small), 0.5 * (1.0 / large - 1.0 / small)
-    return ti.Matrix(
-        [
-            [inverse_mean + inverse_half * cosine, inverse_half * sine],
-            [inverse_half * sine, inverse_mean - inverse_half * cosine],
-        ]
-    )
 
 
 @ti.func
@@ -268,10 +44,10 @@ def _blend(
     hide. The weights are Wendland's C2 function of the distance. The two distances are the nearest particle's
     and the implement's.
     """
-    eye, per_reach = _outside(at_x, at_z, parts), 1.0 / reach
+    eye, per_reach = outside(at_x, at_z, parts), 1.0 / reach
     blended, stretch = ti.Vector.zero(ti.f64, 2), ti.Vector.zero(ti.f64, 4)
     weight_sum, closest, nearest, beside = 0.0, reach * reach, -1, eye[2] < reach
-    box = _cells_around(at_x, at_z, reach, grid, shape)
+    box = cells_around(at_x, at_z, reach, grid, shape)
     for r in range(box[2], box[3] + 1):
         for p in range(first[r * shape[0] + box[0]], first[r * shape[0] + box[1] + 1]):
             own = affine[p]
@@ -282,7 +58,7 @@ def _blend(
             rest = (1.0 - ratio) * (1.0 - ratio)
             weight = rest * rest * (1.0 + 4.0 * ratio)
             if beside and weight > 0.0:
-                weight = 0.0 if _behind(eye[0], eye[1], own[0], own[1], parts) else weight
+                weight = 0.0 if behind(eye[0], eye[1], own[0], own[1], parts) else weight
             blended[0] += weight * (own[2] + own[4] * away_x + own[5] * away_z)
             blended[1] += weight * (own[3] + own[6] * away_x + own[7] * away_z)
             for n in ti.static(range(4)):

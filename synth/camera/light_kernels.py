@@ -5,7 +5,7 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 """
 
 import math
-from functools import lru_cache
+from functools import cache
 
 import taichi as ti
 
@@ -28,14 +28,16 @@ _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 _i32_samples = ti.types.ndarray(dtype=ti.i32, ndim=4)
 
 
-@lru_cache(maxsize=None)
+@cache
 def grain_radiance(sampling: int):
     """Kernel of the light of every sample: of the grain that covers it, or of what is behind the grains.
 
     A grain is a flattened half sphere with a tilted face; the lamps' directions are (-+lamp_side, 0,
-    lamp_front), the last towards the camera, times the share of the light that is theirs. Its arguments: tiled grains, their angles and looks, the light, the
-    light behind the grains of every pixel, the samples in groups (`synth.camera.samples`), scratch for the
-    grains' faces, and the radiance, row by row of samples, as a table of a pixel's samples in a row.
+    lamp_front), the last towards the camera, times the share of the light that is theirs.
+
+    Its arguments: tiled grains, their angles and looks, the light, the light behind the grains of every
+    pixel, the samples in groups (`synth.camera.samples`), scratch for the grains' faces, and the radiance, row
+    by row of samples, as a table of a pixel's samples in a row.
     """
     rows = rows_at_once(sampling)
     groups = ti.types.ndarray(dtype=ti.types.vector(rows * sampling, ti.i32), ndim=3)
@@ -71,7 +73,9 @@ def grain_radiance(sampling: int):
                 for k in range(first[row * columns + left], first[row * columns + right]):
                     g = grain[k]
                     turned = _turned_slope(slope_x[g], slope_y[g], ti.cast(angle[g], ti.f32))
-                    face[k] = _face(place[k, 0], place[k, 1], place[k, 2], roundness, turned, intensity * brightness[g])
+                    face[k] = _face(
+                        place[k, 0], place[k, 1], place[k, 2], roundness, turned, intensity * brightness[g]
+                    )
                 for j in range(row * tile, ti.min((row + 1) * tile, behind.shape[0])):
                     for i in range(left * tile, ti.min(right * tile, behind.shape[1])):
                         for q in range(sampling // rows):
@@ -114,7 +118,7 @@ def _face(x, y, radius, roundness, turned, brightness):
 
 @ti.func
 def _turned_slope(slope_x, slope_y, angle):
-    """Slopes after a turn by an angle, which is counter-clockwise in the world: from y towards x of the picture."""
+    """Slopes after a turn, which is counter-clockwise in the world: from y towards x of the picture."""
     direction = _direction(-angle)
     return ti.Vector(
         [

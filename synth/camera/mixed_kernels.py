@@ -36,7 +36,7 @@ def find_mixed(
     """Pixels with two samples whose motions are more than `limit` px apart.
 
     `motion` and `spread` are those of `motion_kernels.grain_motions`, `outside` is the distance to the
-    implement, px; `body` holds the implement's reference point and its displacement, cos - 1 and sin of its turn.
+    implement, px, `body` that of `motion_kernels.body_vector`.
     """
     # Samples of a pixel are less than 3 px of an ideal lens apart: the implement's own motion does not mix.
     stiff = 3.0 * ti.sqrt(body[4] * body[4] + body[5] * body[5]) < limit
@@ -69,9 +69,7 @@ def _is_implement(j, i, samples: ti.template(), sampling: ti.template()):
 
 
 @ti.func
-def _alike(
-    j, i, samples: ti.template(), motion: ti.template(), index_mask, sampling: ti.template(), limit
-):
+def _alike(j, i, samples: ti.template(), motion: ti.template(), index_mask, sampling: ti.template(), limit):
     """Whether a pixel's grains move so much alike that none of its samples can differ: a quick look.
 
     The bound holds for whole grains, where no implement is in sight; it is kept a little off the limit for

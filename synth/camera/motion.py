@@ -195,4 +195,3 @@ def _turned(x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray") -> tuple["np.
 
 def _all_alive(grains: "MicroGrains") -> "np.ndarray":
     return np.ones(grains.count, np.uint8)
-

@@ -3,8 +3,8 @@
 
 Coordinates and buffers as in `synth.camera.cover_kernels`.
 
-The motion of a tiled grain between two pictures is four numbers: displacement of its centre to the right and
-downwards (px), its turn from x towards y (rad), and how far that moves its rim (px) or -1 if the grain is lost.
+The motion of a tiled grain between two pictures is four numbers: displacement of its centre to the right
+and downwards (px), its turn from x towards y (rad), and how far that moves its rim (px), or -1 if it is lost.
 """
 
 import taichi as ti
@@ -76,9 +76,9 @@ def grain_motions(
 ):
     """Motion of every tiled grain, and how far apart those of a block's grains can be.
 
-    `spread` is a bound, px, for all points of the grains that touch a block of pixels, counted from the margin's
-    first one. Where that of a whole tile is less than `enough`, it serves all of its blocks. `low` and `high` are
-    scratch, one entry a block.
+    `spread` is a bound, px, for all points of the grains that touch a block of pixels, counted from the
+    margin's first one. Where that of a whole tile is less than `enough`, it serves all of its blocks. `low`
+    and `high` are scratch, one entry a block.
     """
     across = tile // BLOCK
     for share in range((first.shape[0] - 1) * SHARES):
@@ -207,7 +207,7 @@ def implement_motion(
     strain: _f32_table,
     valid: _u8_table,
 ):
-    """Motion of the implement at its pixels: rigid, plus `bent` (px of an ideal lens), which is (1, 1) without."""
+    """Motion of the implement at its pixels: rigid, plus `bent` (px of an ideal lens), (1, 1) without."""
     for share in range(implement.shape[0] * SHARES):
         if share % SHARES != 0:
             continue

@@ -160,7 +160,7 @@ def add_implement(arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_f
 
 
 def _bending(face: "ImplementFace", next_face: "ImplementFace", mask: "np.ndarray") -> "np.ndarray":
-    """What an elastic rim adds to the rigid motion at the pixels of a mask, px, (H, W, 2); (1, 1, 2) if rigid."""
+    """What an elastic rim adds to the rigid motion where the mask is, px, (H, W, 2); (1, 1, 2) if rigid."""
     import numpy as np
 
     from synth.camera import rim_face

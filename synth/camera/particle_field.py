@@ -174,26 +174,26 @@ class ParticleField:
     @cached_property
     def _where(self) -> tuple[Any, Any]:
         """The cells' place and shape, for kernels."""
-        from synth.camera import field_kernels
+        from synth.camera import sight_kernels
 
         cells = self._cells
-        grid = field_kernels.grid_vector((cells.left, cells.bottom, cells.size))
-        return grid, field_kernels.shape_vector((cells.columns, cells.rows))
+        grid = sight_kernels.grid_vector((cells.left, cells.bottom, cells.size))
+        return grid, sight_kernels.shape_vector((cells.columns, cells.rows))
 
     def _calm_loose(self) -> "np.ndarray":
         """Find loose particles and give them the motion that is expected of them; (particle,) uint8."""
         import numpy as np
 
-        from synth.camera import field_kernels
+        from synth.camera import fit_kernels
 
         moving = (self._x, self._z, self._moved_x, self._moved_z)
         expected = np.empty((len(self._x), 2))
         loose = np.empty(len(self._x), np.uint8)
         reach, floor = _FIT_REACH * self._diameter, _FLOOR * self._diameter**2
-        field_kernels.fit_neighbours(
+        fit_kernels.fit_neighbours(
             *moving, self._cells.first, *self._where, reach, self._parts, floor, expected
         )
-        field_kernels.find_loose(
+        fit_kernels.find_loose(
             *moving,
             expected,
             self._cells.first,
@@ -208,9 +208,9 @@ class ParticleField:
         return loose
 
     def _fit(self, loose: "np.ndarray") -> None:
-        from synth.camera import field_kernels
+        from synth.camera import fit_kernels
 
-        field_kernels.fit_gradients(
+        fit_kernels.fit_gradients(
             self._x,
             self._z,
             self._moved_x,

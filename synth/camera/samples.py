@@ -1,8 +1,8 @@
 """How samples lie in memory: those of a pixel together, and some of its rows in one step of a kernel.
 
-A buffer of samples is a table (H, W, S, S): pixel's row and column, then the sample's within the pixel. Kernels
-that take scalars see it as it is. Those that must be fast take groups of whole rows of a pixel as vectors, of
-which the compiler makes the processor's wide instructions, as it does of no loop of taichi's.
+A buffer of samples is a table (H, W, S, S): pixel's row and column, then the sample's within the pixel.
+Kernels that take scalars see it as it is. Those that must be fast take groups of whole rows of a pixel as
+vectors, of which the compiler makes the processor's wide instructions, as it does of no loop of taichi's.
 """
 
 from typing import TYPE_CHECKING

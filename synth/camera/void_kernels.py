@@ -35,8 +35,8 @@ def fill_voids(
     """Grain at every pixel centre, as its place among the tiled ones, or -1.
 
     In a soil's void it is the visible grain whose rim is nearest: rings of samples around the pixel are
-    searched outwards until none can be nearer, or `reach` px. `off` is the pixel's centre from the grain's, px;
-    `seen` becomes 1 for every grain of the table.
+    searched outwards until none can be nearer, or `reach` px. `off` is the pixel's centre from the grain's,
+    px; `seen` becomes 1 for every grain of the table.
     """
     for share in range(centres.shape[0] * SHARES):
         if share % SHARES != 0:
@@ -47,9 +47,7 @@ def fill_voids(
             found, off_x, off_y = -1, ti.f32(0.0), ti.f32(0.0)
             if key != NOTHING and key != IMPLEMENT:
                 found = key & index_mask
-                at = _off_centre(
-                    j + margin, i + margin, j + margin, i + margin, found, place, tile, sampling
-                )
+                at = _off_centre(j + margin, i + margin, j + margin, i + margin, found, place, tile, sampling)
                 off_x, off_y = at[1], at[2]
             elif key == NOTHING and soil[j, i] == 1:
                 found, off_x, off_y = _nearest_visible(
@@ -73,10 +71,10 @@ def _nearest_visible(
     margin,
     reach,
 ):
-    """The nearest one of the grains seen around a pixel of the buffer (-1: none), and how far off its centre is.
+    """The nearest of the grains seen around a pixel of the buffer (-1: none), and how far off its centre is.
 
-    Its place among the tiled grains; then the pixel's centre from the grain's, along x and y, in samples. First
-    the pixel's own samples are looked at, then rings around it.
+    Its place among the tiled grains; then the pixel's centre from the grain's, along x and y, in samples.
+    First the pixel's own samples are looked at, then rings around it.
     """
     nearest = ti.Vector([reach * ti.f32(1.0 * sampling), ti.f32(0.0), ti.f32(0.0)])
     found, last, ring = -1, -1, 1
@@ -114,7 +112,7 @@ def _nearest_visible(
 
 @ti.func
 def _off_centre(j, i, row, column, k, place: ti.template(), tile: ti.template(), sampling: ti.template()):
-    """From the rim, then from the centre of a grain that is tiled with a pixel, to pixel (j, i)'s centre: samples."""
+    """From rim, then from centre of a grain tiled with a pixel, to pixel (j, i)'s centre, in samples."""
     middle = ti.f32(0.5 * (sampling - 1))
     x = (i - quotient(column, tile) * tile) * sampling
     y = (j - quotient(row, tile) * tile) * sampling

@@ -164,8 +164,8 @@ def test_strain_and_rotation_follow_the_conventions_of_a_recording():
 
 
 def test_discontinuities_are_those_of_a_recording():
-    from synth.devices import start_taichi
     from synth.camera.discontinuities import discontinuities
+    from synth.devices import start_taichi
 
     start_taichi()
     scene = load_scene("shear_band", quick=True)

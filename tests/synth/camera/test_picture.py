@@ -119,9 +119,7 @@ def wheel_samples(case):
     grains, motion = grains_and_motion(case.recording, case.scene)
     covered = cover(case.scene, case.recording, grains, motion.start())
     j, i, b, a = np.nonzero(covered.samples == -1)
-    return (
-        pixel - covered.margin + (n + 0.5) / covered.sampling - 0.5 for pixel, n in ((j, b), (i, a))
-    )
+    return (pixel - covered.margin + (n + 0.5) / covered.sampling - 0.5 for pixel, n in ((j, b), (i, a)))
 
 
 def test_the_sensor_adds_the_noise_it_says(cases):

@@ -143,8 +143,8 @@ def test_two_steps_are_the_sum_of_one_and_one(cases, fields):
 def seen_by(case, grains, motion):
     """Light of frame 1, and the truth from frame 1 back to frame 0, of grains strewn for any camera."""
     from synth.camera.cover import cover
-    from synth.camera.picture import light_on_sensor
     from synth.camera.pair_truth import pair_truth
+    from synth.camera.picture import light_on_sensor
 
     start = motion.start()
     placement = motion.advance(start)
