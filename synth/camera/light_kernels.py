@@ -36,7 +36,7 @@ def grain_radiance(sampling: int):
     lamp_front), the last towards the camera, times the share of the light that is theirs.
 
     Its arguments: tiled grains, their angles and looks, the light, the light behind the grains of every
-    pixel, the samples in groups (`synth.camera.samples`), scratch for the grains' faces, and the radiance, row
+    pixel, the samples in groups (`synth.camera.samples`), scratch for the grains' faces, the radiance, row
     by row of samples, as a table of a pixel's samples in a row.
     """
     rows = rows_at_once(sampling)
