@@ -99,7 +99,7 @@ def _soil_arrays(
         name: np.empty(shape, np.float32) for name in ("u", "v", "rotation", "strain_rate")
     }
     arrays["particle_id"], valid = np.empty(shape, np.int32), np.empty(shape, np.uint8)
-    filled, off, seen = _filled_voids(covered)
+    filled, off, seen = filled_voids(covered)
     around = motion.surroundings(placement, second, covered.tiled.grain[seen])
     strain, particle = np.empty(len(moved), np.float32), np.empty(len(moved), np.int32)
     strain[seen], particle[seen] = around.strain, around.particle
@@ -111,7 +111,7 @@ def _soil_arrays(
     return arrays
 
 
-def _filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
+def filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
     """Tiled grain at every pixel centre or, in a void, beside it (-1: none), (H, W); more see below.
 
     The pixel's centre from the grain's, px, (H, W, 2); and which tiled grains these are, (seen,).
