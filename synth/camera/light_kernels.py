@@ -107,13 +107,13 @@ def grain_radiance(sampling: int):
 
 
 @ti.func
-def _face(x, y, radius, roundness, turned, brightness):
+def _face(x, y, radius, roundness, turned, full):
     """All that the light of a grain's samples needs.
 
-    Centre times bend along x and y, and the bend of a sample; slopes along x and y; brightness.
+    Centre times bend along x and y, and the bend of a sample; slopes along x and y; light in full.
     """
     bend, nothing = roundness / radius, ti.f32(0.0)
-    return ti.Vector([bend * x, bend * y, bend, turned[0], turned[1], brightness, nothing, nothing])
+    return ti.Vector([bend * x, bend * y, bend, turned[0], turned[1], full, nothing, nothing])
 
 
 @ti.func

@@ -191,13 +191,13 @@ def test_the_face_turns_with_its_grain_and_its_albedo_stays(taichi):
         face, light = np.empty((1, 8), np.float32), np.empty((4, 1, 4), np.float32)
         light_kernels.grain_radiance(4)(
             *(first, 1, grain, place, 32, 1, np.array([turn]), *looks),
-            *(1.4, 0.25, 0.0, 0.8, 0.6, behind, samples, face, light),
+            *(1.4, 0.25, 0.0, 0.75 * 0.8, 0.75 * 0.6, behind, samples, face, light),
         )
         faces.append(face[0])
         lights.append(light)
-    assert faces[0][3:6] == pytest.approx([0.3, 0.0, 0.5])
+    assert faces[0][3:6] == pytest.approx([0.3, 0.0, 1.4 * 0.5])
     # Counter-clockwise takes what leans to the right upwards, which is against y of the picture.
-    assert faces[1][3:6] == pytest.approx([0.0, -0.3, 0.5], abs=1e-6)
+    assert faces[1][3:6] == pytest.approx([0.0, -0.3, 1.4 * 0.5], abs=1e-6)
     # A flat grain that leans by 0.3, up or to the right, lit by both lamps: see `_light_of_group`.
     front = 1 + light_kernels.RIM
     both_lamps = 2 * front * 0.6 / np.hypot(front, 0.3)
