@@ -16,8 +16,10 @@ from synth.dem.step_kernels import Ref, Team, take_steps
 X, Z, VX, VZ, ANGLE, SPIN = range(6)
 # components of `body`
 RADIUS, MASS, INERTIA, WALL_DAMPING = range(4)
-# components of `pair_load`: force on the first grain, moments on both
-PAIR_FX, PAIR_FZ, PAIR_M1, PAIR_M2 = range(4)
+# components of `pairs`: its grains, and where what it does to each stands in `contact_load`
+FIRST, SECOND, FIRST_END, SECOND_END = range(4)
+# components of `contact_load`: force and moment on the grain whose contact it is
+LOAD_X, LOAD_Z, LOAD_MOMENT = range(3)
 # components of `pair_memory` and `tool_memory`, and of each wall in `wall_memory`
 SHEAR, ROLL = range(2)
 WALL_COUNT = 3
@@ -27,8 +29,8 @@ KN, KT, ROOT_KN, ROOT_KT, FRICTION, WALL_FRICTION, TOOL_FRICTION, ROLLING_FRICTI
 )
 TIME_STEP, GRAVITY_X, GRAVITY_Z, WIDTH, DRAG, COHESION = range(9, 15)
 CONSTANT_COUNT = 15
-# components of `pair_body`: what a pair's two grains make together (the first is, for walls, in `body`)
-DAMPING, REACH = range(2)
+# components of `pair_body`: what a pair's two grains make together (damping at walls is in `body`); radii
+DAMPING, REACH, FIRST_RADIUS, SECOND_RADIUS = range(4)
 # what a kernel is compiled for
 COHESIVE = 1
 # entries of `tool`: its pose and motion, what drives it, and the impulse the grains gave it since last asked
@@ -66,9 +68,9 @@ class Soil(NamedTuple):
     pairs: Any
     pair_body: Any
     pair_memory: Any
-    pair_load: Any
+    touched: Any
+    contact_load: Any
     first_contact: Any
-    contacts: Any
     near_wall: Any
     wall_memory: Any
     near_tool: Any
@@ -102,7 +104,9 @@ def increase_entry(row: Ref, k: ti.template(), by):
 @ti.func
 def limited(value, limit):
     """The value, cut at plus and minus the limit."""
-    return ti.max(-limit, ti.min(limit, value))
+    # Not `min` and `max`, which take three instructions each to heed what is not a number.
+    below = ti.select(value < limit, value, limit)
+    return ti.select(below > -limit, below, -limit)
 
 
 @ti.func
@@ -128,14 +132,12 @@ def contact(overlap, approach, sliding, rolling, damping, reach, friction, shear
 
 @ti.func
 def pair_forces(p, soil: Ref):
-    """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
-    constants, motion, body, pairs = ti.static(soil.constants, soil.motion, soil.body, soil.pairs)
-    pair_body, pair_memory, pair_load = ti.static(soil.pair_body, soil.pair_memory, soil.pair_load)
-    i, j = pairs[p][0], pairs[p][1]
+    """Force between the grains of pair `p`, kept for each of them; its memory is forgotten when they part."""
+    constants, motion, pairs, pair_body = ti.static(soil.constants, soil.motion, soil.pairs, soil.pair_body)
+    i, j = pairs[p][FIRST], pairs[p][SECOND]
     dx, dz = motion[j][X] - motion[i][X], motion[j][Z] - motion[i][Z]
-    ri, rj = body[i][RADIUS], body[j][RADIUS]
+    ri, rj = pair_body[p][FIRST_RADIUS], pair_body[p][SECOND_RADIUS]
     square = dx * dx + dz * dz
-    fx, fz, moment_i, moment_j, spring, moment = 0.0, 0.0, 0.0, 0.0, 0.0, 0.0
     if square < (ri + rj) * (ri + rj):
         distance = ti.sqrt(square)
         inverse = 1.0 / distance
@@ -152,17 +154,28 @@ def pair_forces(p, soil: Ref):
             pair_body[p][DAMPING],
             pair_body[p][REACH],
             constants[FRICTION],
-            pair_memory[p][SHEAR],
-            pair_memory[p][ROLL],
+            soil.pair_memory[p][SHEAR],
+            soil.pair_memory[p][ROLL],
             constants,
         )
         if ti.static(soil.features & COHESIVE):
             normal -= constants[COHESION]
         fx, fz = -normal * nx - shear * nz, -normal * nz + shear * nx
-        moment_i, moment_j = shear * arm_i + moment, shear * arm_j - moment
-    pair_load[p][PAIR_FX], pair_load[p][PAIR_FZ] = fx, fz
-    pair_load[p][PAIR_M1], pair_load[p][PAIR_M2] = moment_i, moment_j
-    pair_memory[p][SHEAR], pair_memory[p][ROLL] = spring, moment
+        keep_pair(p, fx, fz, shear * arm_i + moment, shear * arm_j - moment, spring, moment, soil)
+        soil.touched[p] = 1
+    elif soil.touched[p] != 0:
+        keep_pair(p, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, soil)
+        soil.touched[p] = 0
+
+
+@ti.func
+def keep_pair(p, fx, fz, moment_i, moment_j, spring, rolling, soil: Ref):
+    """Keep the force on the first grain of pair `p`, the moments on both, and what it remembers."""
+    load, memory = ti.static(soil.contact_load, soil.pair_memory)
+    one, other = soil.pairs[p][FIRST_END], soil.pairs[p][SECOND_END]
+    load[one][LOAD_X], load[one][LOAD_Z], load[one][LOAD_MOMENT] = fx, fz, moment_i
+    load[other][LOAD_X], load[other][LOAD_Z], load[other][LOAD_MOMENT] = -fx, -fz, moment_j
+    memory[p][SHEAR], memory[p][ROLL] = spring, rolling
 
 
 @ti.func
@@ -290,16 +303,12 @@ def move_grain(i, soil: Ref):
 @ti.func
 def grain_load(i, soil: Ref):
     """Force and moment on grain `i` of walls, then of other grains in the order of its contacts."""
-    first_contact, contacts, pair_load = ti.static(soil.first_contact, soil.contacts, soil.pair_load)
     load = ti.Vector([0.0, 0.0, 0.0])
     if soil.near_wall[i] != 0:
         load = wall_forces(i, soil)
-    for c in range(first_contact[i], first_contact[i + 1]):
-        p, end = contacts[c] >> 1, contacts[c] & 1
-        sign = 1.0 - 2.0 * end
-        load[0] += sign * pair_load[p][PAIR_FX]
-        load[1] += sign * pair_load[p][PAIR_FZ]
-        load[2] += pair_load[p][PAIR_M1 + end]
+    for c in range(soil.first_contact[i], soil.first_contact[i + 1]):
+        for k in ti.static(range(3)):
+            load[k] += soil.contact_load[c][k]
     return load
 
 
@@ -308,12 +317,13 @@ def step_grain(i, load, soil: Ref):
     """One step of a grain's motion under a force and a moment."""
     constants, motion, body = ti.static(soil.constants, soil.motion, soil.body)
     dt, mass, drag = constants[TIME_STEP], body[i][MASS], constants[DRAG]
-    increase(motion, i, VX, dt * (load[0] / mass + constants[GRAVITY_X] - drag * motion[i][VX]))
-    increase(motion, i, VZ, dt * (load[1] / mass + constants[GRAVITY_Z] - drag * motion[i][VZ]))
-    increase(motion, i, SPIN, dt * (load[2] / body[i][INERTIA] - drag * motion[i][SPIN]))
-    increase(motion, i, X, dt * motion[i][VX])
-    increase(motion, i, Z, dt * motion[i][VZ])
-    increase(motion, i, ANGLE, dt * motion[i][SPIN])
+    vx, vz, spin = motion[i][VX], motion[i][VZ], motion[i][SPIN]
+    vx += dt * (load[0] / mass + constants[GRAVITY_X] - drag * vx)
+    vz += dt * (load[1] / mass + constants[GRAVITY_Z] - drag * vz)
+    spin += dt * (load[2] / body[i][INERTIA] - drag * spin)
+    x, z, angle = motion[i][X] + dt * vx, motion[i][Z] + dt * vz, motion[i][ANGLE] + dt * spin
+    motion[i][X], motion[i][Z], motion[i][ANGLE] = x, z, angle
+    motion[i][VX], motion[i][VZ], motion[i][SPIN] = vx, vz, spin
 
 
 @ti.func
@@ -355,12 +365,12 @@ def advance(
     constants: Row,
     motion: rows(6),
     body: rows(4),
-    pairs: rows(2, ti.i32),
-    pair_body: rows(2),
+    pairs: rows(4, ti.i32),
+    pair_body: rows(4),
     pair_memory: rows(2),
-    pair_load: rows(4),
+    touched: Index,
+    contact_load: rows(3),
     first_contact: Index,
-    contacts: Index,
     near_wall: Index,
     wall_memory: rows(2 * WALL_COUNT),
     near_tool: Index,
@@ -385,9 +395,9 @@ def advance(
             pairs,
             pair_body,
             pair_memory,
-            pair_load,
+            touched,
+            contact_load,
             first_contact,
-            contacts,
             near_wall,
             wall_memory,
             near_tool,

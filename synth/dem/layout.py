@@ -25,8 +25,8 @@ class Layout(ABC):
         With `advance` and `greatest_shift_and_speed`.
     features : int
         What the kernels are compiled for.
-    memory, pair_load : int
-        Numbers that a contact remembers, and of a pair's load.
+    memory, load : int
+        Numbers that a contact remembers, and of what it does to a grain: force and moment.
     wall_memory : tuple of int
         Rows a grain, and numbers in each, that contacts with walls remember.
     """
@@ -35,7 +35,7 @@ class Layout(ABC):
     features: int
     memory: int
     wall_memory: tuple[int, int]
-    pair_load: int
+    load: int
 
     @abstractmethod
     def motion(self, grains: Grains) -> np.ndarray:
@@ -62,7 +62,7 @@ class Layout(ABC):
 class _Discs(Layout):
     memory: int = 2
     wall_memory: tuple[int, int] = (1, 6)
-    pair_load: int = 4
+    load: int = 3
 
     def motion(self, grains: Grains) -> np.ndarray:
         return np.column_stack([grains.position.T, grains.velocity.T, grains.angle, grains.spin])
@@ -88,7 +88,7 @@ class _Discs(Layout):
 class _Spheres(Layout):
     memory: int = 6
     wall_memory: tuple[int, int] = (5, 6)
-    pair_load: int = 9
+    load: int = 6
 
     def motion(self, grains: Grains) -> np.ndarray:
         return np.column_stack([grains.position.T, grains.velocity.T, grains.angle, grains.spin.T])
@@ -175,10 +175,11 @@ def body_rows(grains: Grains, law: Law, time_step: float) -> np.ndarray:
 
 
 def pair_rows(grains: Grains, law: Law, time_step: float, pairs: np.ndarray) -> np.ndarray:
-    """Rows of `pair_body`: damping and reduced radius of every pair, shape (P, 2)."""
+    """Rows of `pair_body`: damping, reduced radius and both radii of every pair, shape (P, 4)."""
     (mi, mj), (ri, rj) = grains.mass[pairs], grains.radius[pairs]
     reach = ri * rj / (ri + rj)
-    return np.stack([contact_damping(law, mi * mj / (mi + mj), reach, time_step), reach], axis=1)
+    damping = contact_damping(law, mi * mj / (mi + mj), reach, time_step)
+    return np.stack([damping, reach, ri, rj], axis=1)
 
 
 def tool_row(tool: Tool | None) -> np.ndarray:

@@ -16,13 +16,13 @@ class NeighbourList:
         Indices with ``pairs[0] < pairs[1]``, sorted by the first, then the second.
     first_contact : ndarray of int32, shape (N + 1,)
         Where each grain's part of `contacts` begins.
-    contacts : ndarray of int32, shape (2 P,)
-        ``2 p`` where the grain is the first of pair p, ``2 p + 1`` where it is the second, ascending.
+    ends : ndarray of int32, shape (2, P)
+        Each pair's place among the contacts of its first grain and of its second, ascending in each grain.
     """
 
     pairs: np.ndarray
     first_contact: np.ndarray
-    contacts: np.ndarray
+    ends: np.ndarray
 
     @property
     def keys(self) -> np.ndarray:
@@ -83,10 +83,11 @@ def neighbour_list_of(pairs: np.ndarray, grain_count: int) -> NeighbourList:
 
 def _by_grain(pairs: np.ndarray, grain_count: int) -> tuple[np.ndarray, np.ndarray]:
     grains = pairs.T.reshape(-1)  # entry 2 p is the first grain of pair p, entry 2 p + 1 the second
-    contacts = np.argsort(grains, kind="stable").astype(np.int32)
+    ends = np.empty(grains.size, np.int32)
+    ends[np.argsort(grains, kind="stable")] = np.arange(grains.size, dtype=np.int32)
     first_contact = np.zeros(grain_count + 1, np.int32)
     np.cumsum(np.bincount(grains, minlength=grain_count), out=first_contact[1:])
-    return first_contact, contacts
+    return first_contact, ends.reshape(-1, 2).T
 
 
 @dataclass(frozen=True)

@@ -9,7 +9,7 @@ from synth.dem.neighbours import NeighbourList
 
 _GRAINS_A_WORKER = 128
 """At least: fewer are sooner done by one than two have met."""
-_GRAIN_STEPS = 320_000
+_GRAIN_STEPS = 400_000
 """Grains x steps of a launch, some 10 ms of two cores: so long may one worker be alone where others left."""
 
 

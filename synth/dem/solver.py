@@ -24,7 +24,7 @@ _SPARE = 1.1
 _FINER = "take contact.steps_per_contact higher, or timing.speed_up or the load lower"
 _SAVED_ARRAYS = (
     "motion", "listed", "wall_memory", "near_wall", "tool",
-    "pair_memory", "pair_load", "tool_memory", "reaction", "ring", "rim", "node_force",
+    "pair_memory", "contact_load", "tool_memory", "reaction", "ring", "rim", "node_force",
 )  # fmt: skip
 """Arrays on the device that cannot be had again from others."""
 
@@ -96,9 +96,9 @@ class Solver:
         self._pairs: Any = None
         self._pair_body: Any = None
         self._pair_memory: Any = None
-        self._pair_load: Any = None
+        self._touched: Any = None
+        self._contact_load: Any = None
         self._first_contact: Any = None
-        self._contacts: Any = None
         self._near_tool: Any = None
         self._first_tool_contact: Any = None
         self._tool_parts: Any = None
@@ -197,7 +197,7 @@ class Solver:
         """The forces between discs in the last time step; none before the first."""
         assert self._neighbours is not None
         pairs = self._neighbours.pairs
-        force = self._pair_load.to_numpy()[: pairs.shape[1], :2]
+        force = self._contact_load.to_numpy()[self._neighbours.ends[0], :2]
         motion = self._motion.to_numpy().T
         # Forces are those of before the step's motion.
         return Contacts.of_forces(motion[0:2] - self.time_step * motion[2:4], pairs, force)
@@ -268,9 +268,9 @@ class Solver:
             self._pairs,
             self._pair_body,
             self._pair_memory,
-            self._pair_load,
+            self._touched,
+            self._contact_load,
             self._first_contact,
-            self._contacts,
             self._near_wall,
             self._wall_memory,
             self._near_tool,
@@ -328,13 +328,15 @@ class Solver:
     def _list_pairs(self, position: np.ndarray) -> None:
         old, new = self._neighbours, list_neighbours(position, self.grains.radius, self._skin)
         count = new.pairs.shape[1]
-        memory, load = np.zeros((count, self._layout.memory)), np.zeros((count, self._layout.pair_load))
+        memory, load = np.zeros((count, self._layout.memory)), np.zeros((2 * count, self._layout.load))
         if old is not None:
-            carried = Carried.between(old.keys, new.keys)
-            memory, load = (carried.carry(array.to_numpy()) for array in (self._pair_memory, self._pair_load))
+            carried, loads = Carried.between(old.keys, new.keys), self._contact_load.to_numpy()
+            memory = carried.carry(self._pair_memory.to_numpy())
+            for before, after in zip(old.ends, new.ends, strict=True):
+                load[after] = carried.carry(loads[before])
         self._neighbours = new
         self._pair_memory = self._refilled(self._pair_memory, memory)
-        self._pair_load = self._refilled(self._pair_load, load)
+        self._contact_load = self._refilled(self._contact_load, load)
 
     def _list_tool_contacts(self, position: np.ndarray) -> None:
         old, new = self._tool_contacts, ToolContacts.none(self.grains.count)
@@ -354,12 +356,12 @@ class Solver:
 
         assert self._neighbours is not None
         pairs, contacts = self._neighbours, self._tool_contacts
-        self._pairs = self._refilled(self._pairs, pairs.pairs.T)
+        self._pairs = self._refilled(self._pairs, np.concatenate([pairs.pairs, pairs.ends]).T)
+        self._touched = self._refilled(self._touched, np.ones(pairs.pairs.shape[1], np.int32))
         self._pair_body = self._refilled(
             self._pair_body, pair_rows(self.grains, self.law, self.time_step, pairs.pairs)
         )
         self._first_contact = self._refilled(self._first_contact, pairs.first_contact)
-        self._contacts = self._refilled(self._contacts, pairs.contacts)
         gap = gap_between(self._listed.to_numpy().T, self.grains.radius, pairs.pairs)
         shares = Shares.of(pairs, gap < 0, max(1, self._workers) * CHUNKS)
         self._grain_bounds = self._refilled(self._grain_bounds, shares.grain_bounds)

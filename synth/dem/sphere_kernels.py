@@ -15,6 +15,9 @@ from synth.dem.kernels import (
     DAMPING,
     DRAG,
     FAR,
+    FIRST,
+    FIRST_END,
+    FIRST_RADIUS,
     FRICTION,
     GRAVITY_X,
     GRAVITY_Z,
@@ -26,6 +29,9 @@ from synth.dem.kernels import (
     RADIUS,
     REACH,
     ROLLING_FRICTION,
+    SECOND,
+    SECOND_END,
+    SECOND_RADIUS,
     TIME_STEP,
     TOOL_FRICTION,
     TOOL_SPIN,
@@ -49,8 +55,9 @@ from synth.dem.step_kernels import Ref, Team, take_steps
 
 # components of `motion`
 X, Y, Z, VX, VY, VZ, ANGLE, WX, WY, WZ = range(10)
-# where the vectors of `pair_load` begin: force on the first grain, moments on both
-FORCE, MOMENT_1, MOMENT_2 = 0, 3, 6
+# where the vectors of `contact_load` begin: force and moment on the grain whose contact it is
+FORCE, MOMENT = 0, 3
+LOAD = 6
 # where the vectors of `pair_memory`, `tool_memory` and `wall_memory` begin; a grain has five rows of the last
 SHEAR, ROLL = 0, 3
 MEMORY = 6
@@ -144,15 +151,12 @@ def contact(
 
 @ti.func
 def pair_forces(p, soil: Ref):
-    """Force between the grains of pair `p`, kept in `pair_load`; its memory is forgotten when they part."""
-    constants, motion, body, pairs = ti.static(soil.constants, soil.motion, soil.body, soil.pairs)
-    pair_body, pair_memory, pair_load = ti.static(soil.pair_body, soil.pair_memory, soil.pair_load)
-    i, j = pairs[p][0], pairs[p][1]
+    """Force between the grains of pair `p`, kept for each of them; its memory is forgotten when they part."""
+    constants, motion, pairs, pair_body = ti.static(soil.constants, soil.motion, soil.pairs, soil.pair_body)
+    i, j = pairs[p][FIRST], pairs[p][SECOND]
     branch = three(motion, j, X) - three(motion, i, X)
-    ri, rj = body[i][RADIUS], body[j][RADIUS]
+    ri, rj = pair_body[p][FIRST_RADIUS], pair_body[p][SECOND_RADIUS]
     square = branch.norm_sqr()
-    nothing = ti.Vector([0.0, 0.0, 0.0])
-    force, moment_i, moment_j, spring, turning = nothing, nothing, nothing, nothing, nothing
     if square < (ri + rj) * (ri + rj):
         distance = ti.sqrt(square)
         normal = branch / distance
@@ -160,7 +164,7 @@ def pair_forces(p, soil: Ref):
         arm_i, arm_j = ri - 0.5 * overlap, rj - 0.5 * overlap
         wi, wj = three(motion, i, WX), three(motion, j, WX)
         velocity = three(motion, i, VX) - three(motion, j, VX) + (arm_i * wi + arm_j * wj).cross(normal)
-        pressing, tangential, turning_now, spring_now = contact(
+        pressing, tangential, turning, spring = contact(
             overlap,
             normal,
             velocity,
@@ -171,21 +175,32 @@ def pair_forces(p, soil: Ref):
             constants[KT],
             constants[FRICTION],
             constants[ROLLING_FRICTION],
-            three(pair_memory, p, SHEAR),
-            three(pair_memory, p, ROLL),
+            three(soil.pair_memory, p, SHEAR),
+            three(soil.pair_memory, p, ROLL),
             soil,
         )
         if ti.static(soil.features & COHESIVE):
             pressing -= constants[COHESION] * pair_body[p][REACH]
-        turning, spring = turning_now, spring_now
-        force = tangential - pressing * normal
         twist = normal.cross(tangential)
-        moment_i, moment_j = arm_i * twist + turning, arm_j * twist - turning
-    keep(pair_load, p, FORCE, force)
-    keep(pair_load, p, MOMENT_1, moment_i)
-    keep(pair_load, p, MOMENT_2, moment_j)
-    keep(pair_memory, p, SHEAR, spring)
-    keep(pair_memory, p, ROLL, turning)
+        force = tangential - pressing * normal
+        keep_pair(p, force, arm_i * twist + turning, arm_j * twist - turning, spring, turning, soil)
+        soil.touched[p] = 1
+    elif soil.touched[p] != 0:
+        nothing = ti.Vector([0.0, 0.0, 0.0])
+        keep_pair(p, nothing, nothing, nothing, nothing, nothing, soil)
+        soil.touched[p] = 0
+
+
+@ti.func
+def keep_pair(p, force, moment_i, moment_j, spring, rolling, soil: Ref):
+    """Keep the force on the first grain of pair `p`, the moments on both, and what it remembers."""
+    one, other = soil.pairs[p][FIRST_END], soil.pairs[p][SECOND_END]
+    keep(soil.contact_load, one, FORCE, force)
+    keep(soil.contact_load, one, MOMENT, moment_i)
+    keep(soil.contact_load, other, FORCE, -force)
+    keep(soil.contact_load, other, MOMENT, moment_j)
+    keep(soil.pair_memory, p, SHEAR, spring)
+    keep(soil.pair_memory, p, ROLL, rolling)
 
 
 @ti.func
@@ -319,16 +334,13 @@ def tool_force(i, c, soil: Ref):
 @ti.func
 def move_grain(i, soil: Ref):
     """Gather the forces on grain `i` in the order of its contacts, then one step of its motion."""
-    constants, motion, body, pair_load = ti.static(soil.constants, soil.motion, soil.body, soil.pair_load)
+    constants, motion, body = ti.static(soil.constants, soil.motion, soil.body)
     force, moment = ti.Vector([0.0, 0.0, 0.0]), ti.Vector([0.0, 0.0, 0.0])
     if soil.near_wall[i] != 0:
         force, moment = wall_forces(i, soil)
     for c in range(soil.first_contact[i], soil.first_contact[i + 1]):
-        p, end = soil.contacts[c] >> 1, soil.contacts[c] & 1
-        sign = 1.0 - 2.0 * end
-        for k in ti.static(range(3)):
-            force[k] += sign * pair_load[p][FORCE + k]
-            moment[k] += pair_load[p][MOMENT_1 + 3 * end + k]
+        force += three(soil.contact_load, c, FORCE)
+        moment += three(soil.contact_load, c, MOMENT)
     near = soil.near_tool[i]
     if near >= 0:
         for c in range(soil.first_tool_contact[near], soil.first_tool_contact[near + 1]):
@@ -361,12 +373,12 @@ def advance(
     constants: Row,
     motion: rows(10),
     body: rows(4),
-    pairs: rows(2, ti.i32),
-    pair_body: rows(2),
+    pairs: rows(4, ti.i32),
+    pair_body: rows(4),
     pair_memory: rows(MEMORY),
-    pair_load: rows(9),
+    touched: Index,
+    contact_load: rows(LOAD),
     first_contact: Index,
-    contacts: Index,
     near_wall: Index,
     wall_memory: rows(MEMORY),
     near_tool: Index,
@@ -391,9 +403,9 @@ def advance(
             pairs,
             pair_body,
             pair_memory,
-            pair_load,
+            touched,
+            contact_load,
             first_contact,
-            contacts,
             near_wall,
             wall_memory,
             near_tool,

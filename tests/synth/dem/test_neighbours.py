@@ -25,11 +25,12 @@ def test_list_holds_exactly_the_near_pairs_in_order(position, radius):
 def test_each_grain_finds_its_pairs_and_its_side():
     position, radius = scattered(1)
     listed = list_neighbours(position, radius, 0.5e-3)
-    for grain in range(radius.size):
-        own = listed.contacts[listed.first_contact[grain] : listed.first_contact[grain + 1]]
-        assert np.all(listed.pairs[own % 2, own // 2] == grain)
-        assert np.all(np.diff(own) > 0)
-    assert listed.first_contact[-1] == listed.contacts.size == 2 * listed.pairs.shape[1]
+    grain, pair = np.zeros((2, listed.ends.size), int)
+    for own, ends in zip(listed.pairs, listed.ends, strict=True):
+        grain[ends], pair[ends] = own, np.arange(own.size)
+    np.testing.assert_array_equal(np.sort(listed.ends, axis=None), np.arange(2 * listed.pairs.shape[1]))
+    np.testing.assert_array_equal(grain, np.repeat(np.arange(radius.size), np.diff(listed.first_contact)))
+    assert np.all(np.diff(pair)[np.diff(grain) == 0] > 0)
 
 
 def test_memory_follows_its_pair():
