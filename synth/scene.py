@@ -20,7 +20,7 @@ from synth.analytic.settings import (
 from synth.camera.settings import Camera, Lens, Light, Nuisance, Sensor, Texture
 from synth.drive import Drive, Program
 from synth.implements import CompliantWheel, Implement, Plate
-from synth.scene_files import scene_names, scenes_folder, soil_names
+from synth.scene_files import scene_names, scenes_folder, soil_names, study_scene_names
 from synth.soil import Soil, SoilFile
 from synth.table import Table, kinds_of
 
@@ -400,7 +400,7 @@ def _find(name_or_path: str | Path) -> Path:
             raise SceneError(f"{path}: no such file; shipped scenes: {', '.join(scene_names())}")
         return path
     shipped = scenes_folder() / f"{name_or_path}.toml"
-    if str(name_or_path) not in scene_names():
+    if str(name_or_path) not in scene_names() + study_scene_names():
         raise SceneError(
             f"scene {str(name_or_path)!r} is neither a file nor a shipped scene: {', '.join(scene_names())}"
         )

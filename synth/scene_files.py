@@ -27,6 +27,11 @@ def scene_names() -> list[str]:
     return sorted(path.stem for path in scenes_folder().glob("*.toml"))
 
 
+def study_scene_names() -> list[str]:
+    """Names of the small scenes that studies were carried out on, `studies/NAME`, sorted."""
+    return sorted(f"studies/{path.stem}" for path in (scenes_folder() / "studies").glob("*.toml"))
+
+
 def soil_names() -> list[str]:
     """Names of the shipped soils, sorted."""
     return sorted(path.stem for path in (scenes_folder() / "soils").glob("*.toml"))
