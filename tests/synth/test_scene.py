@@ -73,6 +73,12 @@ def test_pictures_do_not_change_the_simulation_hash():
         ("bed", "width", 0.2, r"must stay between the end walls.*bed.width = 0.2"),
         ("bed", "wdith", 1, r"bed.wdith = 1: unknown key"),
         ("bed", "grain_diameter", math.nan, r"bed.grain_diameter = nan: .*finite"),
+        (
+            "contact",
+            "steps_per_contact",
+            10,
+            r"contact.steps_per_contact = 10: .*greater than or equal to 15",
+        ),
         ("drive", "slip", 1.0, r"drive.slip = 1.0: .*less than 1"),
         ("sensor", "bits", 12, r"sensor.bits = 12: .*8 or 16"),
         (None, "soil", "mars", r"soil = 'mars': allowed .*grc1"),
