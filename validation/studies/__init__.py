@@ -11,6 +11,7 @@ if TYPE_CHECKING:
 
 STUDIES = {
     "grain-size": "sinkage, drawbar pull, torque and shear-band width against grain diameter",
+    "grading": "sinkage, drawbar pull and torque in graded and in uniform beds, over several seeds",
     "convergence": "their change, and that of the flow, with speed-up, box, time step and seed",
     "speed-up": "what driving faster than in the laboratory changes, and the soil's inertial number",
     "glass-friction": "soil's motion at the glass against that at mid-plane, by glass friction",

@@ -12,8 +12,19 @@ import numpy as np
 
 from synth.implements import RigidWheel
 from synth.scene import SoilBinScene
-from validation.studies.flow_field import FlowField, Window, mean_flow
-from validation.studies.study import Case, Findings, Row, Run, Study, changed, plain_axes
+from validation.studies.flow_field import Window, mean_flow
+from validation.studies.study import (
+    Case,
+    Findings,
+    Row,
+    Run,
+    Study,
+    changed,
+    column,
+    error_bars,
+    plain_axes,
+    steady_means,
+)
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -21,6 +32,8 @@ if TYPE_CHECKING:
     from synth.recording import Recording
 
 FRICTIONS = (0.0, 0.1, 0.3, 0.5)
+REALISATIONS = 6
+"""Slabs of each friction, each packed by another seed: one alone says little."""
 _KERNEL = 1.0
 """Standard deviation that motion is smoothed with / grain diameter."""
 _MOVING = 0.1
@@ -28,11 +41,12 @@ _MOVING = 0.1
 
 
 class GlassFriction(Study):
-    """The same wheel against glass of more and more friction.
+    """The same wheel against glass of more and more friction, in several realisations of the slab.
 
     Motion is averaged over frames in layers across the slab, a grain diameter thick, around the wheel. A
-    layer's ratio is that factor of the mid-plane's velocity field which comes nearest to the layer's own;
-    what is left over is its difference. The layer at the mid-plane is 1 by definition.
+    layer's ratio is that factor of the mid-plane's velocity field which comes nearest to the layer's own. The
+    layer at the mid-plane is 1 by definition; without friction the glass is a mirror as the mid-plane is, so
+    that the layer at the glass has to be 1 within the error.
     """
 
     scene = "slab_wheel"
@@ -40,26 +54,39 @@ class GlassFriction(Study):
         "glass_friction": "1",
         "distance": "mm",
         "ratio": "1",
-        "difference": "1",
+        "ratio_error": "1",
+        "sinkage": "mm",
+        "sinkage_deviation": "mm",
     }
 
     def cases(self, scene: SoilBinScene, *, quick: bool) -> list[Case]:
-        """One for each friction, each with a slab that settled against its own glass."""
+        """Every friction with every seed, each with a slab that settled against its own glass."""
         if not scene.bed.thickness:
             raise ValueError(f"{scene.name}: bed.thickness = 0: a slab of spheres is needed")
         return [
-            Case(f"friction-{friction:g}", changed(scene, bed={"glass_friction": friction}))
+            Case(
+                f"friction-{friction:g}-seed-{seed}",
+                changed(scene, bed={"glass_friction": friction}, seed=seed),
+            )
+            for seed in range(scene.seed, scene.seed + REALISATIONS)
             for friction in FRICTIONS
         ]
 
     def find(self, runs: Sequence[Run]) -> Findings:
-        """Ratio and difference of every layer of every run."""
+        """Ratio of every layer, by glass friction."""
         rows: list[Row] = []
-        for run in runs:
-            rows += layers_of(run.case.scene, run.recording())
+        for friction in FRICTIONS:
+            alike = [run for run in runs if run.case.scene.bed.glass_friction == friction]
+            rows += _rows(friction, alike)
         seen = [row for row in rows if row["distance"] == rows[0]["distance"]]
-        told = ", ".join(f"{row['ratio']:.2f} at {row['glass_friction']:g}" for row in seen)
-        return Findings(rows, f"Motion at the glass / at mid-plane, by glass friction: {told}.")
+        told = ", ".join(
+            f"{row['ratio']:.2f} +- {row['ratio_error']:.2f} at {row['glass_friction']:g}" for row in seen
+        )
+        return Findings(
+            rows,
+            f"Motion at the glass / at mid-plane, by glass friction: {told} "
+            f"(+- one standard error, {len(runs) // len(FRICTIONS)} slabs each).",
+        )
 
     def draw(self, findings: Findings) -> "Figure":
         """Profiles across the slab, and the layer at the glass against friction."""
@@ -67,73 +94,114 @@ class GlassFriction(Study):
 
         figure = Figure(figsize=(8.4, 3.8), layout="constrained")
         across, at_glass = plain_axes(figure, 1, 2)[0]
-        frictions = sorted({float(row["glass_friction"]) for row in findings.rows})
-        for friction in frictions:
-            rows = [row for row in findings.rows if row["glass_friction"] == friction]
-            distance, ratio = ([float(row[name]) for row in rows] for name in ("distance", "ratio"))
-            across.plot(distance, ratio, "o-", markersize=3.5, linewidth=1.3, label=f"{friction:g}")
+        rows = findings.rows
+        frictions = sorted(set(column(rows, "glass_friction")))
+        for place, friction in enumerate(frictions):
+            own = [row for row in rows if row["glass_friction"] == friction]
+            distance = column(own, "distance")
+            # Beside each other, so that bars of one can be told from those of the next.
+            beside = 0.04 * (place - (len(frictions) - 1) / 2) * (distance[1] - distance[0])
+            across.errorbar(
+                distance + beside, column(own, "ratio"), column(own, "ratio_error"), marker="o",
+                markersize=3.5, linewidth=1.3, capsize=2, label=f"{friction:g}",
+            )  # fmt: skip
         across.set_xlabel("distance from the glass [mm]")
         across.set_ylabel("velocity / that at mid-plane")
-        top = 1.1 * max(
-            1.05, *(float(row[name]) for row in findings.rows for name in ("ratio", "difference"))
-        )
-        across.set_ylim(0, top)
         across.legend(title="glass friction", frameon=False)
-        nearest = [next(row for row in findings.rows if row["glass_friction"] == one) for one in frictions]
-        for name, colour in (("ratio", "#4c78a8"), ("difference", "#e45756")):
-            at_glass.plot(frictions, [float(row[name]) for row in nearest], "o-", color=colour, label=name)
+        nearest = [row for row in rows if row["distance"] == rows[0]["distance"]]
+        error_bars(
+            at_glass, frictions, column(nearest, "ratio"), column(nearest, "ratio_error"), colour="#4c78a8"
+        )
         at_glass.set_xlabel("glass friction")
-        at_glass.set_ylabel("layer at the glass")
-        at_glass.set_ylim(0, top)
-        at_glass.legend(frameon=False)
+        at_glass.set_ylabel("velocity at the glass / at mid-plane")
+        top = 1.1 * max(1.0, float(np.max(column(rows, "ratio") + column(rows, "ratio_error"))))
+        for axes in (across, at_glass):
+            axes.axhline(1, color="0.5", linewidth=0.8, linestyle=":")
+            axes.set_ylim(0, top)
+        figure.supxlabel("bars: one standard error over realisations of the slab", fontsize=8)
         return figure
 
 
 STUDY = GlassFriction()
 
 
-def layers_of(scene: SoilBinScene, recording: "Recording") -> list[Row]:
-    """Rows of one run, from the glass to the mid-plane."""
+def _rows(friction: float, runs: Sequence[Run]) -> list[Row]:
+    """Rows of one friction, from the glass to the mid-plane."""
+    fields, sinkage = [], []
+    for run in runs:
+        recording = run.recording()
+        fields.append(layers_of(run.case.scene, recording))
+        sinkage.append(1000 * steady_means(recording)["sinkage"][0])
+    motion, bed = np.array(fields), runs[0].case.scene.bed
+    count = motion.shape[1]
+    rows: list[Row] = []
+    for layer in range(count):
+        ratio, error = likeness(motion[:, layer], motion[:, -1])
+        rows.append(
+            {
+                "glass_friction": friction,
+                "distance": round(1000 * (layer + 0.5) * bed.thickness / count, 6),
+                "ratio": ratio,
+                "ratio_error": error,
+                "sinkage": float(np.mean(sinkage)),
+                "sinkage_deviation": float(np.std(sinkage)),
+            }
+        )
+    return rows
+
+
+def layers_of(scene: SoilBinScene, recording: "Recording") -> np.ndarray:
+    """Velocity fields of the layers of one slab, from the glass to the mid-plane, m/s (layers, 2, Z, X)."""
     from synth.recording import Recording
 
     thickness, diameter = scene.bed.thickness, scene.bed.grain_diameter
     count = round(thickness / diameter)
     mean_y = recording.data["position_y"].mean("frame").values
     layer = np.minimum((mean_y / thickness * count).astype(int), count - 1)
-    window = _window(scene)
     fields = [
         mean_flow(
             Recording(recording.data.isel(particle=layer == number)),
-            window,
+            _window(scene),
             spacing=diameter,
             kernel=_KERNEL * diameter,
         )
         for number in range(count)
     ]
-    rows: list[Row] = []
-    for number, field in enumerate(fields):
-        ratio, difference = likeness(field, fields[-1])
-        rows.append(
-            {
-                "glass_friction": scene.bed.glass_friction,
-                "distance": round(1000 * (number + 0.5) * thickness / count, 6),
-                "ratio": ratio,
-                "difference": difference,
-            }
-        )
-    return rows
+    return np.array([field.velocity for field in fields])
 
 
-def likeness(field: FlowField, other: FlowField) -> tuple[float, float]:
-    """Factor by which `other` comes nearest to `field`, and what is left / that field's root of mean square.
+def likeness(one: np.ndarray, other: np.ndarray) -> tuple[float, float]:
+    """Factor by which the mean of `other` comes nearest to the mean of `one`, and its standard error.
 
-    Where both have soil, and `other` moves.
+    Where all have soil, and `other` moves. Products of a field with another realisation's alone are summed:
+    noise of one and the same field would add to its square, and make the factor too small. The error is the
+    jackknife's over the realisations; NaN for fewer than three.
+
+    Parameters
+    ----------
+    one, other : ndarray, shape (realisations, 2, Z, X)
+        Velocity fields, those of the same place from the same realisation.
     """
-    speed = np.hypot(*other.velocity)
-    counted = np.isfinite(field.velocity[0]) & (speed > _MOVING * np.nanmax(speed))
-    one, two = field.velocity[:, counted], other.velocity[:, counted]
-    factor = float((one * two).sum() / (two**2).sum())
-    return factor, float(np.sqrt(((one - factor * two) ** 2).sum() / (two**2).sum()))
+    known = np.isfinite(one).all(axis=(0, 1)) & np.isfinite(other).all(axis=(0, 1))
+    speed = np.where(known, np.hypot(*other.mean(axis=0)), 0.0)
+    counted = speed > _MOVING * speed.max()
+    one, other = one[:, :, counted].reshape(len(one), -1), other[:, :, counted].reshape(len(other), -1)
+    numerator, denominator = one @ other.T, other @ other.T
+    factor, count = _factor(numerator, denominator), len(one)
+    if count < 3:
+        return factor, float("nan")
+    left_out = [
+        _factor(*(np.delete(np.delete(products, k, 0), k, 1) for products in (numerator, denominator)))
+        for k in range(count)
+    ]
+    return factor, float(np.sqrt((count - 1) * np.var(left_out)))
+
+
+def _factor(numerator: np.ndarray, denominator: np.ndarray) -> float:
+    """Quotient of the sums of products between different realisations; of all products where there is one."""
+    if len(numerator) > 1:
+        numerator, denominator = (sums - np.diag(np.diag(sums)) for sums in (numerator, denominator))
+    return float(numerator.sum() / denominator.sum())
 
 
 def _window(scene: SoilBinScene) -> Window:

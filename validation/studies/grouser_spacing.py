@@ -7,7 +7,7 @@ does not.
 """
 
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, ClassVar
+from typing import TYPE_CHECKING, Any, ClassVar
 
 import numpy as np
 
@@ -31,10 +31,12 @@ if TYPE_CHECKING:
 
     from synth.recording import Recording
 
-COUNTS = (4, 8, 16, 24, 32, 48)
+COUNTS = (8, 16, 24, 32, 48)
 QUICK_COUNTS = (8, 16, 32, 48)
 _QUICK_GRAINS = 4.4e-3
 """m: a grouser is then still almost three grains high."""
+_PASSAGES = 2
+"""Of grousers, at least, that every run sees."""
 _STRIP = 2.0
 """Thickness of the strip ahead of the rim that the flux is averaged over / grain diameter."""
 _PHASES = 12
@@ -47,8 +49,9 @@ class GrouserSpacing(Study):
     """The same wheel with more and more grousers.
 
     The forward part of the flux is taken of its mean over passages of grousers: what is periodic stays, what
-    is chance goes, the more so the more grousers pass. `forward_share_of_frames` is without that mean, and
-    alike for all counts: chance makes it greater than nothing even where nothing flows forward.
+    is chance goes, the more so the more grousers pass. `forward_share_error` is one standard error, by
+    leaving out one passage after the other. `forward_share_of_frames` is without that mean, and alike for all
+    counts: chance makes it greater than nothing even where nothing flows forward.
     """
 
     scene = "grouser_wheel"
@@ -56,6 +59,7 @@ class GrouserSpacing(Study):
         "grouser_count": "1",
         "forward_flux": "mm2/s",
         "forward_share": "1",
+        "forward_share_error": "1",
         "forward_share_of_frames": "1",
         "flux_swing": "mm2/s",
         "mean_flux": "mm2/s",
@@ -66,7 +70,7 @@ class GrouserSpacing(Study):
     }
 
     def cases(self, scene: SoilBinScene, *, quick: bool) -> list[Case]:
-        """One for each count; every run sees at least one passage of a grouser."""
+        """One for each count; every run is as long as the fewest grousers take to pass twice."""
         wheel, drive = scene.implement, scene.drive
         if not isinstance(wheel, GrouserWheel) or not isinstance(drive, Rolling):
             raise ValueError(
@@ -74,8 +78,9 @@ class GrouserSpacing(Study):
             )
         counts = QUICK_COUNTS if quick else COUNTS
         passage = 2 * np.pi / min(counts) * wheel.radius / drive.rim_speed
-        timing = {"frame_count": int(np.ceil(passage * scene.timing.frame_rate)) + 2}
+        timing = {"frame_count": int(np.ceil(_PASSAGES * passage * scene.timing.frame_rate)) + 2}
         bed = {"grain_diameter": max(_QUICK_GRAINS, scene.bed.grain_diameter)} if quick else {}
+        bed |= _bed_for(scene, timing["frame_count"])
         return [
             Case(
                 f"{count}-grousers",
@@ -130,6 +135,19 @@ class GrouserSpacing(Study):
 
 
 STUDY = GrouserSpacing()
+
+
+def _bed_for(scene: SoilBinScene, frame_count: int) -> dict[str, Any]:
+    """The bed, its finest grains too, longer by as much as the wheel goes farther in so many frames."""
+    then, now = (
+        scene.program.travel((n - 1) / scene.timing.frame_rate)
+        for n in (frame_count, scene.timing.frame_count)
+    )
+    farther, fine = max(0.0, then - now), scene.bed.fine
+    longer: dict[str, Any] = {"width": scene.bed.width + farther}
+    if fine is not None:
+        longer["fine"] = {**fine.model_dump(), "right": fine.right + farther}
+    return longer
 
 
 def largest_spacing(*, slip: float, sinkage: float, height: float) -> float:
@@ -197,11 +215,35 @@ def by_phase(flux: np.ndarray, turns: np.ndarray) -> np.ndarray:
     turns : ndarray, shape (n,)
         Passages since the first frame, ascending.
     """
-    whole = turns < max(1.0, np.floor(turns[-1] + 1e-9))
-    part = (np.mod(turns[whole], 1.0) * _PHASES).astype(int)
+    whole = turns < max(1.0, _whole_passages(turns))
+    return _phase_means(flux[whole], turns[whole])
+
+
+def _whole_passages(turns: np.ndarray) -> int:
+    return int(np.floor(turns[-1] + 1e-9))
+
+
+def _phase_means(flux: np.ndarray, turns: np.ndarray) -> np.ndarray:
+    part = (np.mod(turns, 1.0) * _PHASES).astype(int)
     count = np.bincount(part, minlength=_PHASES)
     with np.errstate(invalid="ignore"):
-        return np.bincount(part, flux[whole], _PHASES) / np.where(count > 0, count, np.nan)
+        return np.bincount(part, flux, _PHASES) / np.where(count > 0, count, np.nan)
+
+
+def forward_error(flux: np.ndarray, turns: np.ndarray) -> float:
+    """Standard error of the mean forward flux of `by_phase`, by the jackknife over passages; NaN for one."""
+    count, passage = _whole_passages(turns), np.floor(turns).astype(int)
+    if count < _PASSAGES:
+        return float("nan")
+    left_out = []
+    for one in range(count):
+        kept = (passage < count) & (passage != one)
+        left_out.append(_forward(_phase_means(flux[kept], turns[kept])))
+    return float(np.sqrt((count - 1) * np.var(left_out)))
+
+
+def _forward(phases: np.ndarray) -> float:
+    return float(np.nanmean(np.maximum(phases, 0)))
 
 
 def _row(scene: SoilBinScene, recording: "Recording") -> tuple[Row, np.ndarray]:
@@ -214,8 +256,9 @@ def _row(scene: SoilBinScene, recording: "Recording") -> tuple[Row, np.ndarray]:
     flux = flux_ahead(recording, radius=wheel.radius, sinkage=sinkage, strip=strip)
     angle = data["implement_angle"].values
     turned = np.abs((angle[1:] + angle[:-1]) / 2 - angle[0])
-    phases = by_phase(flux, turned * wheel.grouser_count / (2 * np.pi))
-    forward = float(np.nanmean(np.maximum(phases, 0)))
+    turns = turned * wheel.grouser_count / (2 * np.pi)
+    phases = by_phase(flux, turns)
+    forward = _forward(phases)
     spacing = largest_spacing(
         slip=drive.slip, sinkage=sinkage / wheel.radius, height=wheel.grouser_height / wheel.radius
     )
@@ -224,6 +267,7 @@ def _row(scene: SoilBinScene, recording: "Recording") -> tuple[Row, np.ndarray]:
         "grouser_count": float(wheel.grouser_count),
         "forward_flux": 1e6 * forward,
         "forward_share": forward / displaced,
+        "forward_share_error": forward_error(flux, turns) / displaced,
         "forward_share_of_frames": float(np.maximum(flux, 0).mean()) / displaced,
         "flux_swing": 1e6 * float(np.nanmax(phases) - np.nanmin(phases)),
         "mean_flux": 1e6 * float(np.nanmean(phases)),
