@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
     from synth.recording import Recording
 
-COUNTS = (8, 16, 24, 32, 48)
+COUNTS = (8, 12, 16, 24, 32)
 QUICK_COUNTS = (8, 16, 32, 48)
 _QUICK_GRAINS = 4.4e-3
 """m: a grouser is then still almost three grains high."""
@@ -90,7 +90,7 @@ class GrouserSpacing(Study):
         ]
 
     def find(self, runs: Sequence[Run]) -> Findings:
-        """Flux ahead of the rim over time, and what of it is forward."""
+        """Flux ahead of the rim by parts of a grouser's passage, and what of it is forward."""
         rows, curves = [], {}
         for run in runs:
             row, curve = _row(run.case.scene, run.recording())
@@ -99,7 +99,7 @@ class GrouserSpacing(Study):
         return Findings(rows, _conclusion(rows), curves)
 
     def draw(self, findings: Findings) -> "Figure":
-        """Forward share against count, beside the equation's; and the flux over time."""
+        """Forward share against count, beside the equation's; and the flux over a grouser's passage."""
         from cmcrameri import cm
         from matplotlib.figure import Figure
 
@@ -107,30 +107,38 @@ class GrouserSpacing(Study):
         left, right = plain_axes(figure, 1, 2)[0]
         rows = findings.rows
         count = column(rows, "grouser_count")
-        for name, label, style in (
-            ("forward_share", "of the mean over passages", "-"),
-            ("forward_share_of_frames", "of every frame", ":"),
-        ):
-            left.plot(count, 100 * column(rows, name), style, marker="o", color="#4c78a8", label=label)
+        share, error = 100 * column(rows, "forward_share"), 100 * column(rows, "forward_share_error")
+        left.errorbar(
+            count, share, error, marker="o", capsize=3, color="#4c78a8", label="of the mean over passages"
+        )
+        of_frames = 100 * column(rows, "forward_share_of_frames")
+        left.plot(count, of_frames, "o:", color="#4c78a8", label="of every frame")
         left.legend(frameon=False, fontsize=8, loc="center right")
         needed = column(rows, "predicted_count")
         span = f"{needed.min():.0f}" + (f" to {needed.max():.0f}" if needed.max() > needed.min() else "")
         left.axvspan(needed.min() - 0.5, needed.max() + 0.5, color="#e45756", alpha=0.25, linewidth=0)
         left.annotate(
-            f"needed by the equation: {span}", (needed.max() + 1, 0.97), xycoords=("data", "axes fraction"),
+            f"needed by\nthe equation:\n{span}", (needed.max() + 1, 0.97), xycoords=("data", "axes fraction"),
             fontsize=8, va="top",
         )  # fmt: skip
         left.set_xlabel("number of grousers")
         left.set_ylabel("forward flux / (carriage speed x rim sinkage) [%]")
-        left.set_ylim(bottom=0)
+        left.set_ylim(bottom=-0.02 * of_frames.max())
         left.set_xlim(0, 1.4 * count.max())
         colours = cm.batlow(np.linspace(0, 0.85, len(findings.curves)))
-        for (name, (time, flux)), colour in zip(findings.curves.items(), colours, strict=True):
-            right.plot(time, flux, color=colour, label=name, linewidth=1.2)
+        for (name, (part, flux)), colour in zip(findings.curves.items(), colours, strict=True):
+            right.plot(part, flux, "o-", color=colour, label=name, linewidth=1.2, markersize=3)
         right.axhline(0, color="black", linewidth=0.8)
-        right.set_xlabel("time [s]")
+        right.set_xlabel("part of a grouser's passage")
         right.set_ylabel("flux of soil ahead of the rim, forward positive [mm²/s]", fontsize=9)
-        right.legend(title="grousers", frameon=False, fontsize=8, ncols=2)
+        right.legend(
+            title="grousers",
+            frameon=False,
+            fontsize=8,
+            ncols=len(findings.curves),
+            loc="lower center",
+            bbox_to_anchor=(0.5, 1.0),
+        )
         return figure
 
 
@@ -276,8 +284,7 @@ def _row(scene: SoilBinScene, recording: "Recording") -> tuple[Row, np.ndarray]:
         "drawbar_pull": means["force_x"][0],
         "torque": means["torque"][0],
     }
-    time = data["time"].values
-    return row, np.stack([(time[1:] + time[:-1]) / 2, 1e6 * flux])
+    return row, np.stack([(np.arange(_PHASES) + 0.5) / _PHASES, 1e6 * phases])
 
 
 def _conclusion(rows: Sequence[Row]) -> str:
