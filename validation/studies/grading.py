@@ -81,7 +81,7 @@ class Grading(Study):
                 axes.errorbar(place, values.mean(), error, fmt="_", color=colour, markersize=18, capsize=6)
         by_density.set_xlabel("relative density of the (fine) bed")
         by_density.set_ylabel("sinkage [mm]")
-        by_density.legend(frameon=False)
+        by_density.legend(frameon=False, ncols=2, loc="lower center", bbox_to_anchor=(0.5, 1.0))
         for axes, (name, unit) in zip(by_bed, _QUANTITIES.items(), strict=True):
             axes.set_ylabel(f"{name.replace('_', ' ')} [{unit}]")
             axes.set_xticks(range(len(_COLOURS)), list(_COLOURS))
