@@ -4,12 +4,15 @@ import numpy as np
 import pytest
 from scipy.stats import ttest_ind
 
-from synth import load_scene
+from synth import Recording, load_scene
+from synth.recording import VARIABLES
 from synth.scene_files import study_scene_names
+from validation.figures import to_png
 from validation.studies import find_study
 from validation.studies.glass_friction import likeness
 from validation.studies.grading import GRADED, UNIFORM, difference, difference_at_one_density
 from validation.studies.grouser_spacing import forward_error
+from validation.studies.study import Case, Run, changed
 
 
 def noisy_layers(rng, *, factor, realisations, noise):
@@ -62,6 +65,42 @@ def test_what_density_does_is_taken_off():
     assert difference(rows, "sinkage").high < 0
     alike = difference_at_one_density(rows, "sinkage")
     assert alike.low < 0.5 < alike.high and alike.high - alike.low < 0.25
+
+
+def test_a_recordings_row_and_what_is_concluded_of_several(make_run):
+    study = find_study("grading")
+    depths = {"graded": (8e-3, 9e-3, 10e-3), "uniform": (9e-3, 10e-3, 11e-3)}
+    runs = [
+        make_run(
+            coarsening=4.0 if bed == "graded" else 1.0, seed=seed, sinkage=depth, density=0.4 + seed / 100
+        )
+        for bed, several in depths.items()
+        for seed, depth in enumerate(several)
+    ]
+    findings = study.find(runs)
+    assert [row["sinkage"] for row in findings.rows] == pytest.approx([8, 9, 10, 9, 10, 11])
+    assert [row["bed"] for row in findings.rows] == ["graded"] * 3 + ["uniform"] * 3
+    assert "over 3 seeds: sinkage -1 mm (-10 %, 95 %: -33 to +13 %)" in findings.conclusion
+    assert to_png(study.draw(findings))[:4] == b"\x89PNG"
+
+
+@pytest.fixture
+def make_run(tmp_path):
+    """A run whose wheel sank by so much, in a bed of so many fine grains."""
+    scene = load_scene("rolling_wheel", quick=True)
+
+    def make(*, coarsening, seed, sinkage, density):
+        arrays = {
+            name: np.zeros([{"frame": 2}.get(d, 3) for d in dims]) for name, (dims, *_) in VARIABLES.items()
+        }
+        arrays |= {"sample_time": np.array([-1.0, 1.0, 2.0]), "sinkage": np.array([1.0, sinkage, sinkage])}
+        arrays |= {"force_x": np.full(3, 3.0 + seed), "torque": np.full(3, 1.0 + seed / 10)}
+        path = tmp_path / f"{coarsening}-{seed}.nc"
+        Recording.from_arrays(arrays, {"relative_density": density}).write(path)
+        changes = {"coarsening": coarsening, "fine": None}
+        return Run(Case(path.stem, changed(scene, bed=changes, seed=seed)), path)
+
+    return make
 
 
 def test_passages_that_are_alike_leave_no_error_and_chance_leaves_its_own():
