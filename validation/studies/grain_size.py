@@ -98,7 +98,7 @@ class GrainSize(Study):
             axes.set_xlim(0, 1.1 * diameter.max())
         top = 1.1 * np.nanmax(column(rows, "band_width") + column(rows, "band_width_deviation"))
         grid[3].set_ylim(0, top)
-        for count in (5, 10, 15):
+        for count in (10, 20, 30):
             at = min(0.95 * top / count, diameter.max())
             grid[3].axline((0, 0), slope=count, color="0.6", linewidth=0.8, linestyle=":")
             grid[3].annotate(f"{count} d", (at, count * at), color="0.4", fontsize=8, ha="right")
