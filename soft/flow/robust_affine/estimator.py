@@ -23,7 +23,7 @@ from soft.flow.field import FlowField
 from soft.flow.options import require_choice, require_flag, require_number
 from soft.flow.robust_affine.brightness import PicturePair
 from soft.flow.robust_affine.edges import mend
-from soft.flow.robust_affine.rim import DOUBTFUL, MARGIN, carried_outwards, join, shrunk
+from soft.flow.robust_affine.rim import BLURRED, DOUBTFUL, MARGIN, carried_outwards, join, shrunk
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated, spread
@@ -82,16 +82,17 @@ def _solve(
     first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
 ) -> FlowField:
     options = options.resolved
-    pair, inner = PicturePair.of(first, second, shrunk(mask, MARGIN)), shrunk(mask, DOUBTFUL)
+    pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
+    deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
     thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
     coarse = np.ascontiguousarray(seed(first, second)[::_THIN, ::_THIN])
     if options.preset == "accurate":
-        thin, models = join(thin, trusted, _approached(trusted, coarse))
+        thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], _approached(trusted, coarse))
         trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | inner)
-        pair, models = join(pair, trusted, spread(models, _THIN, pair.shape))
+        pair, models = join(pair, trusted, deep, spread(models, _THIN, pair.shape))
         chosen = _chosen(pair, models, _WINDOWS, options)
     else:
-        thin, models = join(thin, trusted, coarse)
+        thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], coarse)
         chosen = _chosen(thin, models, _FEW_WINDOWS, options)
     models = chosen.spread(pair.shape)
     if options.edges:

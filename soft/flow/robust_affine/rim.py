@@ -3,7 +3,8 @@
 At a free surface the soil's edge moves as the soil does and tells a lot. At an implement the edge is the
 implement's, and so steep that a few of its pixels outweigh all soil around. Grey levels do not tell the one
 from the other, but motion does: pixels at the rim are used only if the pictures agree there with the motion
-carried over from within.
+carried over from within. The outermost ones are not used even then, for an implement's light is blurred over
+them; but they are looked at, since they show best that what lies beyond moves otherwise.
 """
 
 from dataclasses import replace
@@ -14,10 +15,12 @@ from soft.flow.robust_affine.brightness import PicturePair
 from soft.masks import grown
 
 MARGIN = 1
-"""Px at a mask's rim that are never used, though measured."""
+"""Px at a mask's rim that are not even looked at, though measured."""
+BLURRED = 3
+"""Px at a mask's rim that are never used, where there are others."""
 DOUBTFUL = 5
 """So far from the rim pixels have to prove themselves, px."""
-_SLACK = 0.4
+_SLACK = 0.2
 """Motion carried over may be off by so much without putting a pixel off, px."""
 _AGREEING = 2.5
 """Mean square of the residuals, in units of what noise and slack make of it, up to which pixels are used."""
@@ -32,15 +35,19 @@ def shrunk(mask: np.ndarray, by: int) -> np.ndarray:
     return ~grown(~mask, by)
 
 
-def join(pair: PicturePair, trusted: PicturePair, models: np.ndarray) -> tuple[PicturePair, np.ndarray]:
-    """Use those pixels, besides the trusted ones, that move as these do.
+def join(
+    pair: PicturePair, trusted: PicturePair, deep: np.ndarray, models: np.ndarray
+) -> tuple[PicturePair, np.ndarray]:
+    """Use those pixels, besides the trusted ones, that move as these do and are not at the very rim.
 
     Parameters
     ----------
     pair : PicturePair
-        With every pixel that may be used.
+        With every pixel that is looked at.
     trusted : PicturePair
         The same with fewer: those that are used anyway.
+    deep : (H, W) bool
+        Pixels that may be used.
     models : (H, W, 6) float32
         Motion found with these.
 
@@ -49,7 +56,7 @@ def join(pair: PicturePair, trusted: PicturePair, models: np.ndarray) -> tuple[P
     pair : PicturePair
         With the trusted and the agreeing pixels.
     models : (H, W, 6) float32
-        Carried over to all that may be used.
+        Carried over to all that are looked at.
     """
     import cv2
 
@@ -65,7 +72,7 @@ def join(pair: PicturePair, trusted: PicturePair, models: np.ndarray) -> tuple[P
     side = max(3, _BOX // pair.step)
     share = cv2.boxFilter(rim.astype(np.float32), -1, (side, side))
     agreeing = rim & (cv2.boxFilter(off, -1, (side, side)) < _AGREEING * share)
-    return replace(pair, usable=(sure | agreeing).astype(np.float32)), models
+    return replace(pair, usable=((sure | agreeing) & deep).astype(np.float32)), models
 
 
 def carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -> np.ndarray:
