@@ -5,12 +5,13 @@ from soft.flow.field import FlowError, FlowField
 from soft.flow.files import FlowFiles
 from soft.flow.flo import read_flo, write_flo
 from soft.flow.kitti import read_kitti, write_kitti
-from soft.flow.registry import BUILT_IN, NEEDS, find_estimator, installed
+from soft.flow.registry import BUILT_IN, NEEDS, VARIANTS, find_estimator, installed
 
 __all__ = [
     "BUILT_IN",
     "DEFAULT",
     "NEEDS",
+    "VARIANTS",
     "FlowError",
     "FlowField",
     "FlowFiles",

@@ -40,8 +40,8 @@ def estimate_flow(
     first, second : (H, W) array
         Grey pictures, 0-255, finite. Floating ones keep their fractions as far as the method can use them.
     method : str or callable, optional
-        A name of `BUILT_IN`, `package.module:function`, `files:FOLDER` (needs the option `pair`), or a
-        function `f(first, second, mask) -> (H, W, 2)`.
+        A name of `BUILT_IN` or `VARIANTS`, `package.module:function`, `files:FOLDER` (needs the option
+        `pair`), or a function `f(first, second, mask) -> (H, W, 2)`.
     mask : (H, W) bool, optional
         True = use. Pixels outside are not valid. Libraries' methods cannot ignore them otherwise.
     device : str, optional

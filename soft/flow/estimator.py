@@ -1,12 +1,12 @@
 """What every way of estimating flow is to `estimate_flow`."""
 
 from collections.abc import Callable, Mapping
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any, Protocol
 
 import numpy as np
 
-from soft.flow.field import FlowField
+from soft.flow.field import FlowError, FlowField
 from soft.flow.options import build_options
 
 
@@ -71,6 +71,8 @@ class Estimator:
     effective_window : callable, optional
         Options to the side of the square that it averages over, in effect, px: the uncertainty is estimated
         from that (`plain_uncertainty`). None: it tells its own, or none.
+    settled : mapping
+        Options that its name stands for and a user does not give.
     """
 
     name: str
@@ -87,7 +89,11 @@ class Estimator:
     reversible: bool = True
     backward: BackwardSolver | None = None
     effective_window: Callable[[Any], float] | None = None
+    settled: Mapping[str, object] = field(default_factory=dict)
 
     def options(self, given: Mapping[str, object]) -> Any:
-        """Build the options dataclass from keywords; unknown ones are a FlowError."""
-        return build_options(self.options_type, self.name, given)
+        """Build the options dataclass from keywords; unknown ones, and settled ones, are a FlowError."""
+        for name in self.settled:
+            if name in given:
+                raise FlowError(f"method {self.name!r}: option {name} is {self.settled[name]!r} by its name")
+        return build_options(self.options_type, self.name, {**self.settled, **given})

@@ -1,6 +1,7 @@
 """Where a method's name leads: a built-in estimator, a user's function, a folder of files."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
 
@@ -17,6 +18,13 @@ BUILT_IN = {
     "ilk": "soft.flow.ilk",
     "robust-affine": "soft.flow.robust_affine.estimator",
     "tvl1": "soft.flow.tvl1",
+}
+
+# Methods with options settled, under names of their own: what a command line can ask for, and results name.
+VARIANTS: dict[str, tuple[str, dict[str, object]]] = {
+    "dis-full": ("dis", {"finest_scale": 0}),
+    "robust-affine-fast": ("robust-affine", {"preset": "fast"}),
+    "soft-2014": ("black-anandan", {"preset": "soft-2014"}),
 }
 
 # The distributions that some of them need and an installation may lack.
@@ -42,7 +50,8 @@ def find_estimator(method: str | Callable) -> Estimator:
     Parameters
     ----------
     method : str or callable
-        A built-in name, `package.module:function`, `files:FOLDER`, or a function of the user's own.
+        A name of `BUILT_IN` or `VARIANTS`, `package.module:function`, `files:FOLDER`, or a function of the
+        user's own.
 
     Raises
     ------
@@ -53,9 +62,12 @@ def find_estimator(method: str | Callable) -> Estimator:
         return from_function(method)
     if method in BUILT_IN:
         return import_module(BUILT_IN[method]).ESTIMATOR
+    if method in VARIANTS:
+        base, settled = VARIANTS[method]
+        return replace(find_estimator(base), name=method, settled=settled)
     if method.startswith(PREFIX):
         return from_files(method)
     if ":" in method:
         return from_import_path(method)
-    known = ", ".join(sorted(BUILT_IN))
+    known = ", ".join(sorted({*BUILT_IN, *VARIANTS}))
     raise FlowError(f"method {method!r}: allowed are {known}, package.module:function and {PREFIX}FOLDER")

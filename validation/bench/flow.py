@@ -8,7 +8,7 @@ grids at their nodes. No constant of ours was tuned on them: that was done at se
 from collections.abc import Callable, Sequence
 
 from validation.bench.flow_case import CaseSource
-from validation.bench.flow_contender import Subject, contenders
+from validation.bench.flow_contender import CONTENDERS, Subject
 from validation.bench.flow_measure import measured
 from validation.bench.rows import BenchRow
 
@@ -28,14 +28,14 @@ def bench_flow(
     cases : sequence of callable
         Each makes a `Case`: `analytic_cases()`, `run_cases(folders)` and others, joined.
     subjects : sequence of Subject, optional
-        The methods; by default `contenders()`.
+        The methods; by default `CONTENDERS`.
     repeats : int
         Of the timing, at most; rows give the median. Results do not change.
     threads : int, optional
         Default: every core.
     """
     rows: list[BenchRow] = []
-    asked = contenders() if subjects is None else subjects
+    asked = CONTENDERS if subjects is None else subjects
     for done, source in enumerate(cases, start=1):
         case = source()
         for subject in asked:

@@ -95,19 +95,12 @@ class Contender:
 
 CONTENDERS = (
     Contender("robust-affine", "robust-affine", True),
-    Contender("robust-affine, fast", "robust-affine", True, {"preset": "fast"}),
+    Contender("robust-affine, fast", "robust-affine-fast", True),
     Contender("black-anandan", "black-anandan", True),
-    Contender("soft-2014", "black-anandan", True, {"preset": "soft-2014"}),
+    Contender("soft-2014", "soft-2014", True),
     Contender("DIS, medium", "dis", False, package=_OPENCV),
-    Contender("DIS, medium, to full resolution", "dis", False, {"finest_scale": 0}, _OPENCV),
+    Contender("DIS, medium, to full resolution", "dis-full", False, package=_OPENCV),
     Contender("Farnebäck", "farneback", False, package=_OPENCV),
     Contender("TV-L1", "tvl1", False, package=_SKIMAGE),
     Contender("iterative Lucas-Kanade", "ilk", False, package=_SKIMAGE),
 )
-
-
-def contenders() -> list[Contender]:
-    """Those whose methods are built in."""
-    from soft.flow import BUILT_IN
-
-    return [contender for contender in CONTENDERS if contender.method in BUILT_IN]

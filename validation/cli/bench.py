@@ -69,7 +69,7 @@ def bench(
     from validation.bench.dem import GRAIN_COUNTS, bench_dem
     from validation.bench.flow import bench_flow
     from validation.bench.flow_case import analytic_cases, run_cases
-    from validation.bench.flow_contender import Subject, contenders
+    from validation.bench.flow_contender import CONTENDERS, Subject
     from validation.bench.limits import bench_limits
     from validation.bench.openpiv import OpenPiv
     from validation.bench.photograph import photograph_cases
@@ -82,7 +82,7 @@ def bench(
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
         if name == "flow":
             cases = analytic_cases() + photograph_cases(photograph) + run_cases(run or ())
-            subjects: list[Subject] = [*contenders(), OpenPiv(openpiv), SubsetDic(pyvale)]
+            subjects: list[Subject] = [*CONTENDERS, OpenPiv(openpiv), SubsetDic(pyvale)]
             rows = bench_flow(cases, subjects=subjects, repeats=repeats, threads=workers, progress=progress)
             rows += bench_limits(rows, run or (), threads=workers, progress=progress) if limits else []
         elif name == "render":

@@ -23,7 +23,8 @@ Methods = Annotated[
     typer.Option(
         "--method",
         metavar="METHOD",
-        help="robust-affine, dis, farneback, tvl1, ilk, package.module:function or files:FOLDER; may repeat.",
+        help="robust-affine, robust-affine-fast, black-anandan, soft-2014, dis, dis-full, farneback, tvl1, "
+        "ilk, package.module:function or files:FOLDER; may repeat.",
         show_default=False,
     ),
 ]

@@ -2,7 +2,17 @@ import cv2
 import numpy as np
 import pytest
 
-from soft.flow import BUILT_IN, FlowError, FlowField, estimate_flow, read_flo, write_flo
+from soft.flow import (
+    BUILT_IN,
+    VARIANTS,
+    FlowError,
+    FlowField,
+    estimate_flow,
+    find_estimator,
+    read_flo,
+    resolve_options,
+    write_flo,
+)
 
 INNER = np.s_[16:-16, 16:-16]
 RUBBER_WHALE = {"black-anandan": 0.085, "dis": 0.23, "ilk": 0.28, "robust-affine": 0.11, "tvl1": 0.28}
@@ -44,6 +54,20 @@ def test_middlebury(real_data, method):
     assert np.nanmean(error) < RUBBER_WHALE.get(method, 0.33)
     # Standing still would be this wrong: the axes and signs are right on real pictures too.
     assert np.nanmean(np.hypot(*np.moveaxis(truth, -1, 0))) > 3 * np.nanmean(error)
+
+
+@pytest.mark.parametrize("name", sorted(VARIANTS))
+def test_variants_are_their_method_with_options(moved, name):
+    method, options = VARIANTS[name]
+    first, second, _ = moved(matrix=((1.01, -0.03), (0.02, 0.99)), shift=(1.0, -2.0))
+    own, same = (
+        estimate_flow(first, second, method=name),
+        estimate_flow(first, second, method=method, **options),
+    )
+    np.testing.assert_array_equal(own.displacement, same.displacement)
+    assert not np.array_equal(own.displacement, estimate_flow(first, second, method=method).displacement)
+    assert find_estimator(name).name == name
+    assert resolve_options(name, {}) == resolve_options(method, options)
 
 
 def test_valid_and_nan_are_one(moved):
@@ -129,7 +153,7 @@ def test_smallest_pictures_do_not_crash(shape, preset):
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"method": "raft"}, "method 'raft': allowed are black-anandan, dis, farneback"),
+        ({"method": "raft"}, "method 'raft': allowed are black-anandan, dis, dis-full, farneback"),
         ({"method": "dis", "window_size": 3}, "unknown option window_size: allowed are preset, finest_scale"),
         ({"method": "dis", "preset": "slow"}, "preset: 'slow': allowed are ultrafast, fast, medium"),
         ({"method": "dis", "patch_stride": 0}, "patch_stride: 0: must be a whole number from 1"),
@@ -144,6 +168,7 @@ def test_smallest_pictures_do_not_crash(shape, preset):
         ({"method": "tvl1", "attachment": 0}, "attachment: 0: must be a number above 0"),
         ({"method": "tvl1", "num_warp": 3}, "unknown option num_warp: allowed are attachment, tightness"),
         ({"method": "ilk", "radius": 0}, "radius: 0: must be a whole number from 1"),
+        ({"method": "soft-2014", "preset": "accurate"}, "option preset is 'soft-2014' by its name"),
         ({"method": "dis", "device": "cuda"}, "device 'cuda': method 'dis' runs on cpu"),
         ({"threads": 0}, "threads: 0: must be a whole number"),
         ({"mask": np.ones((3, 3), bool)}, "mask: bool of shape"),

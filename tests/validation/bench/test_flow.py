@@ -9,7 +9,7 @@ from soft.flow import FlowField, estimate_flow
 from validation.bench import flow_measure
 from validation.bench.flow import bench_flow
 from validation.bench.flow_case import Case, run_cases
-from validation.bench.flow_contender import CONTENDERS, Answer, Contender, contenders
+from validation.bench.flow_contender import CONTENDERS, Answer, Contender
 from validation.bench.flow_measure import measured
 from validation.bench.rows import PeerError
 
@@ -48,7 +48,7 @@ def test_what_is_not_measured_is_wrong():
 
 def test_peers_are_asked_for_nothing_that_their_library_does_not_give():
     case = still()
-    peers = [contender for contender in contenders() if not contender.own]
+    peers = [contender for contender in CONTENDERS if not contender.own]
     assert {peer.method for peer in peers} == {"dis", "farneback", "ilk", "tvl1"}
     for peer in peers:
         flow = peer.measure(case, 1).flow
