@@ -11,8 +11,8 @@ import numpy as np
 
 from soft.flow.robust_affine.brightness import Constraints, PicturePair
 
-RINGS = (16, 8)
-"""Radii from which models are tried, px; each with half of it."""
+RINGS = ((12, 6), (3,))
+"""Radii of the circles from which models are tried, px: those of the first round, then the second."""
 _DIRECTIONS = 8
 _BOX = 5
 """Side of the box that costs are averaged over, px."""
@@ -65,8 +65,8 @@ def mend(
     zone = _Zone(mask, np.argwhere(mask).astype(np.int32))
     noise = constraints.noise()
     found = models
-    for radius in RINGS:
-        found = _smoothed(_propagated(pair, found, constraints, zone, radius, noise), zone)
+    for radii in RINGS:
+        found = _smoothed(_propagated(pair, found, constraints, zone, radii, noise), zone)
     renewed = pair.constrain_again(constraints, found, zone.places)
     found = _smoothed(_refitted(renewed, found, zone, noise), zone)
     renewed = pair.constrain_again(constraints, found, zone.places)
@@ -77,14 +77,19 @@ def mend(
 
 
 def _propagated(
-    pair: PicturePair, models: np.ndarray, constraints: Constraints, zone: _Zone, radius: int, noise: float
+    pair: PicturePair,
+    models: np.ndarray,
+    constraints: Constraints,
+    zone: _Zone,
+    radii: tuple[int, ...],
+    noise: float,
 ) -> np.ndarray:
     from soft.flow.robust_affine import edge_kernels as kernels
 
     width, unchanged = _COST_WIDTH * noise, _costs(constraints, _COST_WIDTH * noise)
     found, candidates = models.copy(), np.empty((len(zone.places), 6), np.float32)
     least = np.full(zone.mask.shape, np.inf, np.float32)
-    for right, down in [(0, 0), *_ring(radius), *_ring(radius // 2)]:
+    for right, down in [(0, 0), *(offset for radius in radii for offset in _ring(radius))]:
         cost = unchanged.copy()
         kernels.try_neighbours(
             zone.places, right, down, pair.first, pair.coefficients, constraints.gain, pair.usable,

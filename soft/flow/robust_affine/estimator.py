@@ -8,7 +8,8 @@ is made linear around its own present motion, and affine motions are fitted to t
 2. in windows of several sizes, of which each pixel takes the largest it can bear (`windows.choose`), on all
    equations, the pictures warped anew;
 3. where these disagree, motion may break off: models are handed on and windows cut (`edges.mend`);
-4. where only small windows were borne, once more on the pictures warped anew, for what is left.
+4. where only small windows were borne, once more on the pictures warped anew, for what is left; further where
+   that is more than noise (`windows.fit_rest`).
 
 The preset `fast` is the second step alone, with fewer windows, on every second pixel's equation.
 """
@@ -26,7 +27,7 @@ from soft.flow.robust_affine.edges import mend
 from soft.flow.robust_affine.rim import BLURRED, DOUBTFUL, MARGIN, carried_outwards, join, shrunk
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
-from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, repeated, spread
+from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, fit_rest, repeated, spread
 from soft.flow.way_back import MISSES, way_back
 from soft.masks import grown
 
@@ -43,7 +44,7 @@ _FEW_WINDOWS = (Window(4.0, 4), Window(8.0, 8), Window(24.0, 24))
 _WINDOWS = (Window(2.5, 2), Window(4.0, 2), Window(7.0, 4), Window(12.0, 4), Window(20.0, 8))
 _CURVE = Window(4.0, 2)
 """In which, where motion is curved, what is left is fitted once more."""
-_JUMP = 0.15
+_JUMP = 0.08
 """Where windows' fits are further apart than this, motion may break off nearby, px."""
 _AROUND = 6
 """So far around it models are mended, px."""
@@ -131,8 +132,9 @@ def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray
     jump, level = (repeated(values, _THIN, pair.shape) for values in (chosen.jump, chosen.level))
     broken = grown(jump > _JUMP, _AROUND) & (pair.usable > 0)
     models, constraints = mend(pair, models, pair.constrain(models), broken)
-    products = Products.of(constraints, constraints.noise(), _NARROW, rest=True).gathered()
-    rest = fit(products, _CURVE).models(pair.shape, 1)
+    noise = constraints.noise()
+    products = Products.of(constraints, noise, _NARROW, rest=True).gathered()
+    rest = fit_rest(products, _CURVE, noise).models(pair.shape, 1)
     rest[level > _CURVED] = 0
     return models + rest
 

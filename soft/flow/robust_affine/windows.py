@@ -24,6 +24,14 @@ _MIDDLING = 2
 _BINOMIAL = np.array([1 / 4, 1 / 2, 1 / 4], np.float32)
 _BLUR = 1 / 2
 """Variance of it, squared places."""
+_FURTHER = 2.0
+"""How much of a second fit's rest is taken where motion bends: a third one's and so on go the same way."""
+_BENT = 0.04
+"""There a fit's rest, root mean square, must be larger than this, px,"""
+_BEYOND_NOISE = 1.0
+"""and than what noise makes of it: this is the factor on that variance."""
+_BENT_WITHIN = 2.0
+"""Standard deviation of the window in which that is judged, nodes."""
 _TWICED = 1.83
 """Variance of a fit with a second one to its rest / without: 4 - 4 (2/3) + 2/4 for Gaussian windows."""
 
@@ -176,6 +184,30 @@ def fit(products: Products, window: Window, held: np.ndarray | None = None, *, t
     if twice:
         at_nodes += _solved(products.after(at_nodes, window.stride), window, moments, rest)
     return Fit(window, at_nodes, moments, products.spacing)
+
+
+def fit_rest(products: Products, window: Window, noise: float) -> Fit:
+    """Fit what the present motion leaves; further, to the rest of the rest, where it is more than noise.
+
+    Each fit leaves a share of what bends within its window; each also adds noise, so most places do with one.
+
+    Parameters
+    ----------
+    products : Products
+        Of what is left.
+    window : Window
+    noise : float
+        Of an equation, grey levels.
+    """
+    import cv2
+
+    found = fit(products, window)
+    once = found.at_nodes
+    further = _solved(products.after(once, window.stride), window, found.moments, np.zeros_like(once))
+    square = cv2.GaussianBlur(once[:, :, 0] ** 2 + once[:, :, 3] ** 2, (0, 0), _BENT_WITHIN)
+    by_noise = np.minimum(found.variance(noise).sum(axis=2), 1)
+    more = np.clip(square / (_BENT**2 + _BEYOND_NOISE * by_noise) - 1, 0, 1)
+    return replace(found, at_nodes=once + _FURTHER * more[:, :, None] * further)
 
 
 def _moments(products: Products, window: Window) -> np.ndarray:
