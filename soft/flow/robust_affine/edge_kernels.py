@@ -7,7 +7,7 @@ flat (`ti.ndrange`): taichi shares a loop over some hundred rows between no thre
 
 import taichi as ti
 
-from soft.flow.robust_affine.window_kernels import pull_share, solved
+from soft.flow.robust_affine.window_kernels import normal_matrix, solved
 from soft.flow.spline_kernels import inside, sample
 
 Picture = ti.types.ndarray(ti.f32, ndim=2)
@@ -87,36 +87,38 @@ def refit(
         model = ti.Vector.zero(ti.f32, 6)
         for k in ti.static(range(6)):
             model[k] = models[row, column, k] * (1 if ti.static(k % 3 == 0) else scale)
-        m = ti.Matrix.zero(ti.f32, 6, 6)
+        squares = ti.Vector.zero(ti.f32, 18)
         b = ti.Vector.zero(ti.f32, 6)
         weights = ti.cast(0, ti.f32)
+        per_scale, per_width, per_apart = 1 / scale, 1 / (width * noise), 1 / (3 * apart)
         for r in range(ti.max(0, row - reach), ti.min(height, row + reach + 1)):
+            y = (r - row) * per_scale
             for c in range(ti.max(0, column - reach), ti.min(across, column + reach + 1)):
-                x, y = (c - column) / scale, (r - row) / scale
-                near = 1 - (x * x + y * y) / 6.25
+                x = (c - column) * per_scale
+                near = 1 - (x * x + y * y) * ti.static(1 / 6.25)
                 u = model[0] + model[1] * x + model[2] * y
                 v = model[3] + model[4] * x + model[5] * y
-                du, dv = (u - models[r, c, 0]) / apart, (v - models[r, c, 3]) / apart
-                alike = 1 - (du * du + dv * dv) / 9
+                du, dv = (u - models[r, c, 0]) * per_apart, (v - models[r, c, 3]) * per_apart
+                alike = 1 - (du * du + dv * dv)
                 if near > 0 and alike > 0:
                     jx, jy, d = constraint[r, c, 0], constraint[r, c, 1], constraint[r, c, 2]
-                    z = (jx * u + jy * v - d) / (width * noise)
-                    weight = constraint[r, c, 3] * near * near * alike * alike / (1 + z * z / 2)
+                    z = (jx * u + jy * v - d) * per_width
+                    lorentzian = 1 / (1 + z * z / 2)
+                    weight = constraint[r, c, 3] * near * near * alike * alike * lorentzian
                     weights += weight
-                    j = ti.Vector([jx, jx * x, jx * y, jy, jy * x, jy * y])
-                    free = weight * pull_share(z) * noise * noise
-                    pull_x, pull_y = free * constraint[r, c, 5], free * constraint[r, c, 6]
-                    pull = ti.Vector([pull_x, pull_x * x, pull_x * y, pull_y, pull_y * x, pull_y * y])
-                    for i in ti.static(range(6)):
-                        b[i] += weight * j[i] * d + pull[i]
-                        for k in ti.static(range(i, 6)):
-                            m[i, k] += weight * j[i] * j[k]
+                    free = weight * (1 - z * z / 2) * lorentzian * noise * noise
+                    right_x = weight * jx * d + free * constraint[r, c, 5]
+                    right_y = weight * jy * d + free * constraint[r, c, 6]
+                    b += ti.Vector([right_x, right_x * x, right_x * y, right_y, right_y * x, right_y * y])
+                    powers = ti.Vector([ti.cast(1, ti.f32), x, y, x * x, x * y, y * y])
+                    products = weight * ti.Vector([jx * jx, jx * jy, jy * jy])
+                    for i, k in ti.static(ti.ndrange(3, 6)):
+                        squares[6 * i + k] += products[i] * powers[k]
+        m = normal_matrix(squares)
         for i in ti.static(range(6)):
             hold = 1 + m[i, i] / 500
             m[i, i] += hold
             b[i] += hold * model[i]
-            for k in ti.static(range(i)):
-                m[i, k] = m[k, i]
         if weights > 3:
             model = solved(m, b)
         for k in ti.static(range(6)):

@@ -158,6 +158,18 @@ def sum_targets_along_columns(sums: Channels, taps: Table, stride: ti.i32, right
 
 
 @ti.func
+def normal_matrix(sums):
+    """Matrix of the normal equations: sums of jx jx, jx jy and jy jy, times 1, x, y, xx, xy, yy each."""
+    order = ti.static(((0, 1, 2), (1, 3, 4), (2, 4, 5)))
+    return ti.Matrix(
+        [
+            [sums[6 * (i // 3 + k // 3) + order[i % 3][k % 3]] for k in ti.static(range(6))]
+            for i in ti.static(range(6))
+        ]
+    )
+
+
+@ti.func
 def solved(matrix, right):
     """Solution of six equations, the matrix symmetric and positive."""
     x = right
@@ -183,15 +195,11 @@ def solve_nodes(moments: Channels, rights: Channels, scale: ti.f32, held: Channe
     gradient: what texture does not tell stays.
     """
     for line, node in ti.ndrange(models.shape[0], models.shape[1]):
-        m = ti.Matrix.zero(ti.f64, 6, 6)
+        sums = ti.Vector.zero(ti.f64, 18)
+        for k in ti.static(range(18)):
+            sums[k] = moments[line, node, k]
+        m = normal_matrix(sums)
         b = ti.Vector.zero(ti.f64, 6)
-        for block in ti.static(range(3)):
-            k = ti.static(6 * block)
-            order = ti.static(((k, k + 1, k + 2), (k + 1, k + 3, k + 4), (k + 2, k + 4, k + 5)))
-            for i, j in ti.static(ti.ndrange(3, 3)):
-                m[(0, 0, 3)[block] + i, (0, 3, 3)[block] + j] = moments[line, node, order[i][j]]
-                if ti.static(block == 1):
-                    m[3 + i, j] = moments[line, node, order[i][j]]
         for i in ti.static(range(6)):
             hold = 1 + m[i, i] / 1000
             m[i, i] += hold
