@@ -33,11 +33,29 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options:
     options : object
         The method's own, which do not matter here.
     """
-    there = forward.displacement
-    before, after = to_8bit(first), to_8bit(second)
+    return _back(to_8bit(first), to_8bit(second), forward.displacement, finest=_FINEST)
+
+
+def quick_way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options: object) -> np.ndarray:
+    """The same, found on pictures of half the size in less than half the time.
+
+    It takes a few more right pixels away beside what is hidden.
+    """
+    import cv2
+
+    height, width = first.shape
+    half = ((width + 1) // 2, (height + 1) // 2)
+    before, after = (
+        cv2.resize(to_8bit(grey), half, interpolation=cv2.INTER_AREA) for grey in (first, second)
+    )
+    back = _back(before, after, forward.displacement[::2, ::2] / 2, finest=_FINEST - 1)
+    return cv2.resize(2 * back, (width, height), interpolation=cv2.INTER_NEAREST)
+
+
+def _back(before: np.ndarray, after: np.ndarray, there: np.ndarray, *, finest: int) -> np.ndarray:
     searched = np.zeros_like(there)
-    if min(first.shape) >= least_side(_FINEST):
-        searched = search(after, before, finest=_FINEST)
+    if min(before.shape) >= least_side(finest):
+        searched = search(after, before, finest=finest)
     fits = _agree(mismatch(before, after, np.nan_to_num(there), box=_BOX))
     turned = _turned(there, fits, searched)
     off = mismatch(after, before, turned, box=_BOX)

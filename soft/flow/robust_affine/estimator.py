@@ -28,7 +28,7 @@ from soft.flow.robust_affine.rim import BLURRED, DOUBTFUL, MARGIN, carried_outwa
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, fit_rest, repeated, spread
-from soft.flow.way_back import MISSES, way_back
+from soft.flow.way_back import MISSES, quick_way_back, way_back
 from soft.masks import grown
 
 PRESETS = ("accurate", "fast")
@@ -86,7 +86,7 @@ def _solve(
     pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
     deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
     thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
-    coarse = np.ascontiguousarray(seed(first, second)[::_THIN, ::_THIN])
+    coarse = np.ascontiguousarray(seed(first, second, quick=options.preset == "fast")[::_THIN, ::_THIN])
     if options.preset == "accurate":
         thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], _approached(trusted, coarse))
         trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | inner)
@@ -139,6 +139,13 @@ def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray
     return models + rest
 
 
+def _backward(
+    first: np.ndarray, second: np.ndarray, forward: FlowField, options: RobustAffineOptions
+) -> np.ndarray:
+    find = quick_way_back if options.preset == "fast" else way_back
+    return find(first, second, forward, options)
+
+
 def _resolved(options: RobustAffineOptions) -> dict[str, object]:
     return asdict(options.resolved)
 
@@ -153,5 +160,5 @@ ESTIMATOR = Estimator(
     keeps_to_mask=True,
     start=start_taichi,
     forward_backward=MISSES,
-    backward=way_back,
+    backward=_backward,
 )

@@ -14,19 +14,20 @@ _FINEST = 1
 """Level of the pyramid on which the search ends: 1 = half resolution."""
 
 
-def seed(first: np.ndarray, second: np.ndarray) -> np.ndarray:
+def seed(first: np.ndarray, second: np.ndarray, *, quick: bool) -> np.ndarray:
     """Models (H, W, 6) of motion without gradients; zero on pictures too small for a pyramid."""
     models = np.zeros((*first.shape, 6), np.float32)
     if min(first.shape) >= least_side(_FINEST):
-        models[:, :, ::3] = _searched(to_8bit(first), to_8bit(second))
+        models[:, :, ::3] = _searched(to_8bit(first), to_8bit(second), quick)
     return models
 
 
-def _searched(first: np.ndarray, second: np.ndarray) -> np.ndarray:
-    found, shift = search(first, second, finest=_FINEST), common_shift(first, second)
+def _searched(first: np.ndarray, second: np.ndarray, quick: bool) -> np.ndarray:
+    found = search(first, second, finest=_FINEST, quick=quick)
+    shift = common_shift(first, second)
     if shift is None:
         return found
-    other = search(first, _moved(second, shift), finest=_FINEST) + shift
+    other = search(first, _moved(second, shift), finest=_FINEST, quick=quick) + shift
     return better_of(first, second, other, found)
 
 

@@ -34,7 +34,7 @@ class Factors:
     gradient: float
 
 
-FACTORS = {"accurate": Factors(1.4, 1.05, 0.8, 1.1), "fast": Factors(1.15, 1.0, 1.75, 10.0)}
+FACTORS = {"accurate": Factors(1.4, 1.05, 0.8, 1.1), "fast": Factors(0.7, 1.0, 1.8, 17.0)}
 _RIM = ((2, 1.2), (5, 1.9))
 """Factors on sigma at pixels with one outside the mask at most so many px off; both where both hold."""
 _AROUND = 10.0
