@@ -65,9 +65,9 @@ def widen_at_rim(sigma: np.ndarray, mask: np.ndarray) -> np.ndarray:
 
 
 def _mean_excess(chosen: Chosen) -> np.ndarray:
-    """Mean excess around each place, (h, w, 2), px^2, of places whose windows have pixels: others would drown it.
+    """Mean excess around each place, (h, w, 2), px^2, of those alone whose windows have pixels to use.
 
-    Where the next smaller window has none, the excess is less than half of its variance by noise, negative.
+    Where the next smaller window had none, the excess is half of its huge variance by noise, negative.
     """
     smaller = -2 * np.minimum(chosen.excess, 0)
     measured = (np.maximum(chosen.variance, smaller) < _UNMEASURED).astype(np.float32)
