@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from soft.flow import FlowError, estimate_flow
+from soft.flow.robust_affine import windows
 
 SHAPE = (150, 200)
 
@@ -228,3 +229,18 @@ print(hashlib.sha256(field.displacement.tobytes() + field.uncertainty.tobytes())
 
 def test_same_bytes_on_one_and_two_threads(printed_on):
     assert len(printed_on(_DIGEST, (1, 2))) == 1
+
+
+def test_motion_that_bends_within_the_smallest_windows_is_followed_further(monkeypatch):
+    waves, (x, y) = Waves(9, count=400), grid()
+    u = 1.5 * np.sin(2 * np.pi * y / 26)  # along x alone: what is at (x, y) comes from (x - u, y)
+    first, second, truth = waves(x, y), waves(x - u, y), np.stack([u, 0 * u], -1)
+    inner = np.s_[12:-12, 12:-12]
+
+    def off():
+        field = estimate_flow(first, second, method="robust-affine", forward_backward=False)
+        return np.quantile(errors(field, truth)[inner], 0.9)
+
+    further = off()
+    monkeypatch.setattr(windows, "_FURTHER", 0.0)
+    assert further < 0.9 * off()
