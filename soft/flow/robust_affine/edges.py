@@ -66,9 +66,11 @@ def mend(
     noise = constraints.noise()
     found = models
     for radii in RINGS:
-        found = _smoothed(_propagated(pair, found, constraints, zone, radii, noise), zone)
+        found = _propagated(pair, found, constraints, zone, radii, noise)
+        _smooth(found, zone)
     renewed = pair.constrain_again(constraints, found, zone.places)
-    found = _smoothed(_refitted(renewed, found, zone, noise), zone)
+    found = _refitted(renewed, found, zone, noise)
+    _smooth(found, zone)
     renewed = pair.constrain_again(constraints, found, zone.places)
     width = _FIT_WIDTH * noise
     better = mask & (_boxed(_costs(renewed, width)) < _boxed(_costs(constraints, width)))
@@ -86,11 +88,11 @@ def _propagated(
 ) -> np.ndarray:
     from soft.flow.robust_affine import edge_kernels as kernels
 
-    width, unchanged = _COST_WIDTH * noise, _costs(constraints, _COST_WIDTH * noise)
+    width = _COST_WIDTH * noise
+    cost = _costs(constraints, width)  # beside the zone; every candidate's own is written over the rest
     found, candidates = models.copy(), np.empty((len(zone.places), 6), np.float32)
     least = np.full(zone.mask.shape, np.inf, np.float32)
     for right, down in [(0, 0), *(offset for radius in radii for offset in _ring(radius))]:
-        cost = unchanged.copy()
         kernels.try_neighbours(
             zone.places, right, down, pair.first, pair.coefficients, constraints.gain, pair.usable,
             width, found, candidates, cost,
@@ -123,15 +125,14 @@ def _shifted(cost: np.ndarray) -> np.ndarray:
     return cv2.erode(_boxed(cost), np.ones((_SHIFT, _SHIFT), np.uint8))
 
 
-def _smoothed(models: np.ndarray, zone: _Zone) -> np.ndarray:
-    """The median of the motions around each pixel of the zone; gradients stay."""
+def _smooth(models: np.ndarray, zone: _Zone) -> None:
+    """Put the median of the motions around each pixel of the zone in its place; gradients stay."""
     import cv2
 
-    smooth = models.copy()
     for component in (0, 3):
-        median = cv2.medianBlur(np.ascontiguousarray(models[:, :, component]), _MEDIAN)
-        smooth[:, :, component][zone.mask] = median[zone.mask]
-    return smooth
+        motion = np.ascontiguousarray(models[:, :, component])
+        cv2.copyTo(cv2.medianBlur(motion, _MEDIAN), zone.mask.view(np.uint8), motion)
+        models[:, :, component] = motion
 
 
 def _refitted(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: float) -> np.ndarray:
