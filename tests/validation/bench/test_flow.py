@@ -49,7 +49,7 @@ def test_what_is_not_measured_is_wrong():
 def test_peers_are_asked_for_nothing_that_their_library_does_not_give():
     case = still()
     peers = [contender for contender in CONTENDERS if not contender.own]
-    assert {peer.method for peer in peers} == {"dis", "farneback", "ilk", "tvl1"}
+    assert {peer.method for peer in peers} == {"dis", "dis-full", "farneback", "ilk", "tvl1"}
     for peer in peers:
         flow = peer.measure(case, 1).flow
         plain = estimate_flow(
