@@ -1,5 +1,6 @@
 # make demo   the main job on the default scene: a scored report in out/demo
 # make test   the fast tests
+# make gate   whether robust-affine got worse than its baseline, on ten small clips
 # make lint   style and types
 # make clean  remove what these made
 #
@@ -8,7 +9,7 @@
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: demo test lint clean install develop
+.PHONY: demo test gate lint clean install develop
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -28,6 +29,9 @@ demo: $(INSTALLED)
 
 test: $(DEVELOPED)
 	$(BIN)/python -m pytest $(PYTEST_OPTIONS) -m "not slow"
+
+gate: $(DEVELOPED)
+	$(BIN)/softbed gate --method robust-affine --baseline tests/validation/gate/robust-affine.json
 
 lint: $(DEVELOPED)
 	$(BIN)/ruff check .
