@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 import tomli_w
 
-from soft.flow import BUILT_IN
+from soft.flow import BUILT_IN, installed
 from synth import Recording, load_scene
 from synth.recording import VARIABLES
 from validation.studies import STUDIES, find_study
@@ -223,14 +223,24 @@ def test_grouser_spacing_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, mo
     assert softbed("study", "grouser-spacing", out, "--scene", tiny_wheel_scene)[0] == 2
 
 
+FEW = ["dis", "farneback", "robust-affine"]
+"""Estimators that a study's test makes do with; all of them take minutes."""
+
+
+@pytest.mark.parametrize("study", ["nuisance", "texture"])
+def test_a_study_of_pictures_takes_every_estimator_there_is(study):
+    assert set(find_study(study).inputs["methods"]) == set(installed()) <= set(BUILT_IN)
+
+
 def test_nuisances_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
+    monkeypatch.setattr("validation.studies.nuisance.installed", lambda: FEW)
     severities = {"vibration": (2.0,), "exchange": (0.2,)}
     monkeypatch.setattr("validation.studies.nuisance.SEVERITIES", severities)
     status, output, error = softbed("study", "nuisance", tmp_path, "--scene", tiny_wheel_scene, "--json")
     assert status == 0, error
     rows = json.loads(output)["rows"]
     methods = {row["method"] for row in rows}
-    assert methods == set(BUILT_IN)
+    assert methods == set(FEW)
     cases = {(row["scene"], row["nuisance"], row["stratum"]) for row in rows}
     assert cases == {
         *(("plate_rotation", name, "all") for name in ("none", "exchange")),  # that camera stands
@@ -266,11 +276,12 @@ def test_nuisances_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypa
 
 def test_textures_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
     monkeypatch.setattr("validation.studies.texture._FACTORS", (1.0, 1.3))
+    monkeypatch.setattr("validation.studies.texture.installed", lambda: FEW)
     status, output, error = softbed("study", "texture", tmp_path, "--scene", tiny_wheel_scene, "--json")
     assert status == 0, error
     rows = json.loads(output)["rows"]
     keys = {(row["grain_diameter"], row["texture"], row["method"]) for row in rows}
-    assert len(rows) == len(keys) == 2 * 2 * len(BUILT_IN)
+    assert len(rows) == len(keys) == 2 * 2 * len(FEW)
     # Of one recording, every method is judged on the same pixels, and rigid tiles tear soil more.
     for diameter, texture in {(row["grain_diameter"], row["texture"]) for row in rows}:
         counts = {
