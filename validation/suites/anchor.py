@@ -24,7 +24,8 @@ FILE = "paper_severity.toml"
 
 _HEADER = """\
 # Severity `paper`: read noise at which {method} shows the published median error of {median:g} px on
-# `plate_rotation`. Made by `softbed suite anchor OUT`, seeds {seeds}: median {told} px at {levels} electrons.
+# `plate_rotation`. Made by `softbed suite anchor OUT`, seeds {seeds}:
+# median {told} px at {levels} electrons.
 """
 
 

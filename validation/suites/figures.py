@@ -35,7 +35,7 @@ def draw_heat_map(
     from cmcrameri import cm
     from matplotlib.figure import Figure
 
-    size = (1.6 + 0.62 * len(methods) * len(shares), 1.7 + 0.34 * len(scenes))
+    size = (max(6.4, 2.6 + 0.62 * len(methods) * len(shares)), 1.9 + 0.34 * len(scenes))
     figure = Figure(figsize=size, layout="constrained")
     row = figure.subplots(1, len(shares), sharey=True, squeeze=False)[0]
     for axes, (stratum, values) in zip(row, shares.items(), strict=True):

@@ -10,6 +10,10 @@ if TYPE_CHECKING:
     from synth.scene import AnyScene
 
 
+_PICTURE_SEEDS = 1000
+"""More than there are sets of pictures of one motion."""
+
+
 @dataclass(frozen=True)
 class Motion:
     """One simulation, or one motion by formula.
@@ -89,7 +93,8 @@ class Realisation:
         from validation.suites.severities import severity_changes
 
         tables = self.motion.load().to_dict()
-        tables["picture_seed"] = self.picture_seed
+        # Other pictures for another motion, too: a plate turns alike with any seed.
+        tables["picture_seed"] = _PICTURE_SEEDS * self.motion.seed + self.picture_seed
         return parse_scene(with_changes(tables, (*severity_changes(self.severity), *self.changes)))
 
     @property

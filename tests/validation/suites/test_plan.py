@@ -50,6 +50,13 @@ def test_whatever_changes_a_result_changes_its_key(other):
     assert Look(PICTURES, "dis").key({"softbed": "2"}) != Look(PICTURES, "dis").key(MADE_BY)
 
 
+def test_another_motion_has_other_pictures():
+    seeds = {
+        replace(PICTURES, motion=replace(PICTURES.motion, seed=seed)).scene().picture_seed for seed in (1, 2)
+    }
+    assert len(seeds) == 2
+
+
 def test_severity():
     wheel = Realisation(Motion("rolling_wheel", quick=True), severity="heavy")
     assert wheel.scene().nuisance.vibration == 2.0
