@@ -17,6 +17,7 @@ from soft.figures.page import (
     show_picture,
 )
 from soft.figures.view import View, reduced, stride_of, top_of, view_of_pair
+from soft.pair_motion import motion_of_pair
 
 if TYPE_CHECKING:
     import xarray
@@ -74,7 +75,7 @@ def deformation_figure(
         raise FigureError(f"quantity: {quantity!r}: allowed are {', '.join(QUANTITIES)}")
     what, signed = QUANTITIES[quantity]
     chosen = find_colours(colours)
-    view = view_of_pair(flow, picture, pair, lines=None if interface is None else interface.lines)
+    view = view_of_pair(flow, picture, pair, interface)
     amount = getattr(deformation_of(flow, pair=pair), quantity)
     rate = view.units.rate * reduced(amount, stride_of(picture.shape))
     figure, grid = new_page(picture.shape)
@@ -108,11 +109,10 @@ def streamlines_figure(
     from soft.streamlines import trace_streamlines
 
     chosen = find_colours(colours)
-    view = view_of_pair(flow, picture, pair, lines=None if interface is None else interface.lines)
-    part = flow[["inertial_u", "inertial_v", "valid", "soil", "moving"]].isel(pair=pair)
-    displacement = np.stack([part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy()], axis=-1)
-    moving = (part["valid"] & part["soil"] & part["moving"]).to_numpy()
-    traced = trace_streamlines(displacement, moving, spacing=spacing or max(picture.shape[1] / 40, 4.0))
+    view = view_of_pair(flow, picture, pair, interface)
+    motion = motion_of_pair(flow, pair)
+    spacing = spacing or max(picture.shape[1] / 40, 4.0)
+    traced = trace_streamlines(motion.displacement, motion.moving, spacing=spacing)
     figure, grid = new_page(picture.shape)
     show_speed(grid[0, 0], view, chosen, title=title_of("Streamlines over soil speed", flow, pair))
     _draw_lines(grid[0, 0], [view.units.length * line for line in traced.lines])
@@ -161,13 +161,10 @@ def profile_figure(
     """
     from soft.soil_motion import velocity_profile
 
-    part = flow[["inertial_u", "inertial_v", "valid", "soil"]].isel(pair=pair)
-    soil, valid = part["soil"].to_numpy(), part["valid"].to_numpy()
-    displacement = np.stack([part["inertial_u"].to_numpy(), part["inertial_v"].to_numpy()], axis=-1)
-    displacement = np.where((soil & valid)[..., None], displacement, np.nan)
-    x = _lowest_surface(soil) if x is None else x
+    motion = motion_of_pair(flow, pair)
+    x = _lowest_surface(motion.soil) if x is None else x
     try:
-        profile = velocity_profile(displacement, soil, x=x, width=width)
+        profile = velocity_profile(motion.displacement, motion.soil, x=x, width=width)
     except ValueError as error:
         raise FigureError(str(error)) from error
     view = view_of_pair(flow, picture, pair)

@@ -8,8 +8,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from soft.figures.colours import Colours, find_colours
-from soft.figures.film_file import film_file, require_film_suffix
-from soft.figures.page import colour_bar, colour_wheel, new_page, show_map, show_picture
+from soft.figures.film_file import FILM_SUFFIXES, film_file
+from soft.figures.page import colour_bar, colour_wheel, new_page, require_suffix, show_map, show_picture
 from soft.figures.units import Units
 from soft.figures.view import extent_of, reduced, stride_of, top_of, view_of_pair
 from soft.sequence import ImageSequence
@@ -176,7 +176,7 @@ def write_film(
     FigureError
         If the suffix is another, or the film cannot be written.
     """
-    kind = require_film_suffix(Path(path))
+    kind = require_suffix(Path(path), FILM_SUFFIXES)
     page = None
     with film_file(path, rate=rate or _USUAL_RATE, kind=kind) as film:
         for done, shot in enumerate(shots, start=1):

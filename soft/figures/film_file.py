@@ -7,7 +7,7 @@ from typing import IO, Any, Protocol
 
 import numpy as np
 
-from soft.figures.page import FigureError
+from soft.figures.page import FigureError, require_suffix
 
 FILM_SUFFIXES = (".mp4", ".gif")
 
@@ -46,7 +46,7 @@ def film_file(path: str | Path, *, rate: float, kind: str | None = None) -> "Ite
         If it is another, or cannot be written.
     """
     path = Path(path)
-    kind = require_film_suffix(path) if kind is None else kind
+    kind = require_suffix(path, FILM_SUFFIXES) if kind is None else kind
     rate = float(np.clip(rate, _SLOWEST, _FASTEST))
     if kind == ".gif":
         with path.open("wb") as file:
@@ -59,20 +59,6 @@ def film_file(path: str | Path, *, rate: float, kind: str | None = None) -> "Ite
         yield video
     finally:
         video.close()
-
-
-def require_film_suffix(path: Path) -> str:
-    """The suffix of a film's file.
-
-    Raises
-    ------
-    FigureError
-        If a film is not written as this.
-    """
-    suffix = path.suffix.lower()
-    if suffix not in FILM_SUFFIXES:
-        raise FigureError(f"{path}: suffix {suffix!r}: allowed are {', '.join(FILM_SUFFIXES)}")
-    return suffix
 
 
 class _Video:

@@ -74,7 +74,7 @@ def speed_figure(
     colours : str, optional
         `even` (legible to all) or `paper`.
     """
-    view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
+    view, chosen = view_of_pair(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape)
     show_speed(grid[0, 0], view, chosen, title=title_of("Soil speed", flow, pair), top=top)
     return figure
@@ -94,7 +94,7 @@ def direction_figure(
     Outside the moving region direction has little meaning and is left out. `arrows` adds arrows of one
     length; other parameters are those of `speed_figure`.
     """
-    view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
+    view, chosen = view_of_pair(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape)
     title = title_of("Direction of soil motion", flow, pair)
     show_direction(grid[0, 0], view, chosen, title=title, arrows=arrows)
@@ -110,7 +110,7 @@ def motion_figure(
     colours: str = "even",
 ) -> "Figure":
     """Show speed above direction (Fig. 4). Parameters are those of `speed_figure`."""
-    view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
+    view, chosen = view_of_pair(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape, rows=2)
     show_speed(grid[0, 0], view, chosen, title=title_of("Soil speed", flow, pair))
     show_direction(grid[1, 0], view, chosen, title="Direction of soil motion", named=False)
@@ -129,7 +129,7 @@ def bucket_figure(
 
     Parameters are those of `speed_figure`.
     """
-    view, chosen = _view(flow, picture, pair, interface), find_colours(colours)
+    view, chosen = view_of_pair(flow, picture, pair, interface), find_colours(colours)
     figure, grid = new_page(picture.shape, rows=2)
     title = title_of("Direction of soil motion", flow, pair)
     show_direction(grid[0, 0], view, chosen, title=title, arrows=True)
@@ -158,7 +158,7 @@ def average_figure(
         Of the average; without it, none is drawn.
     """
     chosen = find_colours(colours)
-    single = _view(flow, picture, pair, None)
+    single = view_of_pair(flow, picture, pair)
     averaged = mean_view(mean, picture, units=Units.of_flow(flow, pair), interface=interface)
     top = top_of(single.speed)
     figure, grid = new_page(picture.shape, rows=2)
@@ -173,8 +173,7 @@ def mean_view(
 ) -> View:
     """Averaged flow as displayed; every pixel that has an average counts as moving soil."""
     shown = np.isfinite(mean.u) & np.isfinite(mean.v)
-    lines = None if interface is None else interface.lines
-    return view_of_motion(mean.u, mean.v, picture, soil=shown, moving=shown, units=units, lines=lines)
+    return view_of_motion(mean.u, mean.v, picture, soil=shown, moving=shown, units=units, interface=interface)
 
 
 def comparison_figure(
@@ -206,7 +205,7 @@ def comparison_figure(
     figure, grid = new_page(shape, rows=2, columns=len(runs), width=10.0)
     last = len(runs) - 1
     for k, ((name, flow, picture), interface) in enumerate(zip(runs, interfaces, strict=True)):
-        view = _view(flow, picture, pair, interface)
+        view = view_of_pair(flow, picture, pair, interface)
         show_speed(grid[0, k], view, chosen, title=f"{name}: speed", named=k == 0)
         show_direction(grid[1, k], view, chosen, title=f"{name}: direction", named=False, wheel=k == last)
     return figure
@@ -253,10 +252,6 @@ def show_direction(
         draw_arrows(axes, view, colours)
     if wheel:
         colour_wheel(axes, colours.direction)
-
-
-def _view(flow: "xarray.Dataset", picture: np.ndarray, pair: int, interface: "ShearInterface | None") -> View:
-    return view_of_pair(flow, picture, pair, lines=None if interface is None else interface.lines)
 
 
 def title_of(what: str, flow: "xarray.Dataset", pair: int) -> str:

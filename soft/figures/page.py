@@ -4,6 +4,7 @@ Each figure is a `matplotlib.figure.Figure` of its own; nothing global is touche
 display and side by side.
 """
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, cast
 
@@ -64,17 +65,17 @@ def save_figure(figure: "Figure", path: str | Path, *, dots_per_inch: int = DOTS
     return path
 
 
-def require_suffix(path: Path) -> str:
-    """The suffix of a figure's file.
+def require_suffix(path: Path, allowed: Sequence[str] = SUFFIXES) -> str:
+    """The suffix of a file to write, by default a figure's.
 
     Raises
     ------
     FigureError
-        If a figure is not written as this.
+        If it is none of those allowed.
     """
     suffix = path.suffix.lower()
-    if suffix not in SUFFIXES:
-        raise FigureError(f"{path}: suffix {suffix!r}: allowed are {', '.join(SUFFIXES)}")
+    if suffix not in allowed:
+        raise FigureError(f"{path}: suffix {suffix!r}: allowed are {', '.join(allowed)}")
     return suffix
 
 

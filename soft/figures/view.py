@@ -1,6 +1,5 @@
 """One field of motion as a figure shows it: every n-th pixel, in the units of the page."""
 
-from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -11,6 +10,8 @@ from soft.velocity import to_polar, to_velocity
 
 if TYPE_CHECKING:
     import xarray
+
+    from soft.shear_interface import ShearInterface
 
 # More pixels than this a side are not told apart on a page.
 DISPLAY_SIDE = 1400
@@ -76,8 +77,7 @@ def view_of_pair(
     flow: "xarray.Dataset",
     picture: np.ndarray,
     pair: int,
-    *,
-    lines: Sequence[np.ndarray] | None = None,
+    interface: "ShearInterface | None" = None,
 ) -> View:
     """One pair of a SoilFlow in the inertial frame, over its first picture (H, W)."""
     arrays = flow[["inertial_u", "inertial_v", "valid", "soil", "moving"]].isel(pair=pair)
@@ -92,7 +92,7 @@ def view_of_pair(
         soil=arrays["soil"].to_numpy(),
         moving=arrays["moving"].to_numpy(),
         units=Units.of_flow(flow, pair),
-        lines=lines,
+        interface=interface,
     )
 
 
@@ -104,7 +104,7 @@ def view_of_motion(
     soil: np.ndarray,
     moving: np.ndarray,
     units: Units,
-    lines: Sequence[np.ndarray] | None = None,
+    interface: "ShearInterface | None" = None,
 ) -> View:
     """Any field of motion (H, W), px right and down, over a picture (H, W); NaN is not shown.
 
@@ -114,8 +114,8 @@ def view_of_motion(
         Where soil is, and its moving region.
     units : Units
         Of the page.
-    lines : sequence of (N, 2) array, optional
-        The shear interface, px.
+    interface : ShearInterface, optional
+        The line between moving and resting soil.
     """
     stride = stride_of(picture.shape)
     displacement = reduced(np.stack([u, v], axis=-1), stride)
@@ -128,7 +128,7 @@ def view_of_motion(
         moving=reduced(moving, stride),
         units=units,
         extent=extent_of(picture.shape, units),
-        lines=None if lines is None else tuple(lines),
+        lines=None if interface is None else interface.lines,
     )
 
 

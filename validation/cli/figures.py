@@ -93,11 +93,12 @@ def film(
     debug: Debug = False,
 ) -> None:
     """Make a film of a measurement: picture, motion, and truth and error where the truth is known."""
-    from soft.figures.film_file import require_film_suffix
+    from soft.figures.film_file import FILM_SUFFIXES
+    from soft.figures.page import require_suffix
     from validation.showing.film import film as make_film
 
     terminal = Terminal(json=json)
-    require_film_suffix(out)
+    require_suffix(out, FILM_SUFFIXES)
     with (
         terminal.working(),
         _opened(path, results, method) as subject,

@@ -96,16 +96,14 @@ def _sift(order: Order) -> "Figure":
 
 
 def _average(order: Order) -> "Figure":
-    from soft import average_figure, average_flow, moving_mask
-    from soft.shear_interface import shear_interface
+    from soft import average_figure, average_flow
+    from soft.shear_interface import shear_interface_of_mean
 
     flow, picture = order.subject.flow, order.subject.picture(order.pair)
     mean = average_flow(flow)
-    region = moving_mask(mean.speed, mean.soil, seed=int(flow.attrs.get("seed", 0)))
-    line = None
-    if region.found:
-        line = shear_interface(mean.speed, region.mask, threshold=region.threshold, soil=mean.soil)
-    return average_figure(flow, mean, picture, pair=order.pair, interface=line, colours=order.colours)
+    line = shear_interface_of_mean(mean, seed=int(flow.attrs.get("seed", 0)))
+    interface = line if line.lines else None
+    return average_figure(flow, mean, picture, pair=order.pair, interface=interface, colours=order.colours)
 
 
 def _gain(order: Order) -> "Figure":
