@@ -45,7 +45,7 @@ def simulate(
     """Simulate a scene: OUT/recording.nc and OUT/forces.csv."""
     from synth import load_scene
     from validation import chain
-    from validation.cli.study import carry_out, show_study
+    from validation.cli.study import show_study
     from validation.run_folder import RunFolder
 
     terminal = Terminal(json=json)
@@ -56,11 +56,14 @@ def simulate(
             chain.simulate(run, chosen, work=work, terminal=terminal, resume=resume, overwrite=overwrite)
             document = step_document(run, "simulate")
         if convergence:
+            from validation.studies import find_study
+            from validation.studies.carry_out import carry_out
             from validation.studies.convergence import BASE
 
             place = out / "convergence"
             document["convergence"] = carry_out(
                 "convergence",
+                find_study("convergence"),
                 chosen,
                 place,
                 quick=quick,

@@ -39,22 +39,25 @@ def study(
     """
     from synth import load_scene
     from validation import chain
+    from validation.studies.carry_out import carry_out
 
     terminal = Terminal(json=json)
     with terminal.working():
         chosen = load_scene(scene or find_study(name).scene, quick=quick, seed=seed)
         work = chain.Work(device, threads)
-        options = {"quick": quick, "resume": resume, "overwrite": overwrite}
-        document = carry_out(name, chosen, out, **options, work=work, terminal=terminal)
+        document = carry_out(
+            name,
+            find_study(name),
+            chosen,
+            out,
+            quick=quick,
+            resume=resume,
+            overwrite=overwrite,
+            work=work,
+            terminal=terminal,
+        )
     show_study(document, out, terminal)
     terminal.give(document)
-
-
-def carry_out(name: str, *arguments: Any, **options: Any) -> dict[str, Any]:
-    """Carry a study out and return its document."""
-    from validation.studies.carry_out import carry_out
-
-    return carry_out(name, find_study(name), *arguments, **options)
 
 
 def show_study(document: dict[str, Any], out: Path, terminal: Terminal) -> None:
