@@ -4,6 +4,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from soft.doubling_blocks import DoublingBlocks
+
 # A pixel counts in a block's mean if at least this share of the block's pairs measured it.
 LEAST_SHARE = 0.75
 
@@ -88,14 +90,10 @@ class _Block:
 
 
 class GainTally:
-    """Collects couples of pairs, one of each half, in order of time.
-
-    Blocks are merged as a binary counter carries: of the blocks of every length, at most one waits for the
-    next. So memory holds a few pictures for each doubling.
-    """
+    """Collects couples of pairs, one of each half, in order of time; a few pictures for each doubling."""
 
     def __init__(self) -> None:
-        self._waiting: list[_Block | None] = []
+        self._blocks: DoublingBlocks[_Block] = DoublingBlocks()
         self._compared: list[list[tuple[float, float, float]]] = []
 
     def add(self, first: np.ndarray, second: np.ndarray) -> None:
@@ -103,17 +101,10 @@ class GainTally:
         known = [np.isfinite(vectors).all(axis=0) for vectors in (first, second)]
         one, two = (np.where(k, v, 0).astype(np.float64) for k, v in zip(known, (first, second), strict=True))
         block = _Block((one, two), (known[0].astype(np.int32), known[1].astype(np.int32)))
-        level = 0
-        while True:
-            if level == len(self._waiting):
-                self._waiting.append(None)
+        for level, completed in enumerate(self._blocks.add(block)):
+            if level == len(self._compared):
                 self._compared.append([])
-            self._compared[level].append(_compared(block, 2**level))
-            waiting, self._waiting[level] = self._waiting[level], None
-            if waiting is None:
-                self._waiting[level] = block
-                return
-            block, level = waiting + block, level + 1
+            self._compared[level].append(_compared(completed, 2**level))
 
     def result(self) -> AveragingGain:
         """Pool what was compared, every pixel counting alike."""

@@ -10,6 +10,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from soft.doubling_blocks import DoublingBlocks
+
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -64,27 +66,21 @@ class AveragingScore:
 
 
 class _BlockErrors:
-    """Sums of errors in blocks of 1, 2, 4, ... pairs: of each length, at most one block is held."""
+    """Sums of errors in blocks of 1, 2, 4, ... pairs."""
 
     def __init__(self) -> None:
-        self._held: list[tuple[np.ndarray, np.ndarray] | None] = []
+        self._blocks: DoublingBlocks[np.ndarray] = DoublingBlocks()
         self._squares: list[np.ndarray] = []
 
     def add(self, error: np.ndarray) -> None:
         """Add the error (2, H, W) of a pair, NaN where not measured or not known."""
         known = np.isfinite(error).all(axis=0)
-        block = np.where(known, error, 0.0).astype(np.float64), known.astype(np.int64)
-        level = 0
-        while True:
-            if level == len(self._held):
-                self._held.append(None)
+        # Both components' sums, and of how many pairs: (3, H, W).
+        block = np.concatenate([np.where(known, error, 0.0), known[np.newaxis]], dtype=np.float64)
+        for level, completed in enumerate(self._blocks.add(block)):
+            if level == len(self._squares):
                 self._squares.append(np.zeros(2))
-            self._squares[level] += _mean_square(*block, 2**level)
-            held, self._held[level] = self._held[level], None
-            if held is None:
-                self._held[level] = block
-                return
-            block, level = (held[0] + block[0], held[1] + block[1]), level + 1
+            self._squares[level] += _mean_square(completed[:2], completed[2], 2**level)
 
     def result(self) -> AveragingScore | None:
         told = [(2**k, (total / count) ** 0.5) for k, (total, count) in enumerate(self._squares) if count]
