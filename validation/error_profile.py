@@ -34,7 +34,7 @@ class Explanation:
     ----------
     unit, meaning : str
     edges : tuple of float
-        Of its bins; a value at an edge belongs to the bin above.
+        Of its bins, the last one infinite; a value at an edge belongs to the bin above.
     of : callable
         Its value at every pixel of a pair's truth, (H, W), NaN where it has none; the second argument is the
         camera's motion, px.
@@ -122,11 +122,10 @@ def error_profile(truth: "xr.Dataset", flow: "xr.Dataset") -> "xr.Dataset":
     found = {}
     for name, explanation in EXPLANATIONS.items():
         value = explanation.of(truth, strata.camera_u)[everything]
-        bins = np.digitize(value, explanation.edges) - 1  # NaN comes after the last edge
         count = len(explanation.edges) - 1
-        inside = (bins >= 0) & (bins < count) | (value == np.inf)
-        bins = np.where(value == np.inf, count - 1, bins)
-        tables = errors.sorted_into(np.where(inside & ~np.isnan(value), bins, -1), count)
+        # Without the last edge, which is infinite: what is beyond the one before is in the last bin.
+        bins = np.digitize(value, explanation.edges[:-1]) - 1
+        tables = errors.sorted_into(np.where(np.isnan(value), -1, bins), count)
         dims = (f"bin_{name}", "error_bin"), (f"bin_{name}",), (f"bin_{name}", "moment")
         for what, dim, table in zip(("count", "unmeasured", "sums"), dims, tables, strict=True):
             found[f"{what}_{name}"] = (dim, table)

@@ -46,10 +46,15 @@ class Interval:
     realisation_count: int
     pair_count: int
 
+    def told(self, form: str) -> str:
+        """The value and half of the interval, in a format."""
+        value = format(self.value, form)
+        if np.isnan(self.low):
+            return value
+        return f"{value} \N{PLUS-MINUS SIGN} {format((self.high - self.low) / 2, form)}"
 
-def block_bootstrap(
-    realisations: Realisations, *, block_length: int, seed: int = 0, level: float = LEVEL
-) -> Interval:
+
+def block_bootstrap(realisations: Realisations, *, block_length: int, seed: int = 0) -> Interval:
     """Mean of numbers that are correlated in time, with its percentile interval.
 
     Parameters
@@ -60,8 +65,6 @@ def block_bootstrap(
         Picture pairs a block: more than the soil remembers.
     seed : int
         Of the resampling.
-    level : float
-        Of the interval.
 
     Raises
     ------
@@ -74,7 +77,7 @@ def block_bootstrap(
     if not kept:
         raise StatisticsError("no picture pair has such a number")
     means = _resampled_means(kept, block_length, np.random.default_rng(seed))
-    low, high = np.quantile(means, [(1 - level) / 2, (1 + level) / 2])
+    low, high = np.quantile(means, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
     if _is_one_block(kept, block_length):
         low = high = np.nan
     value = float(np.mean([one.mean() for one in kept]))
@@ -82,7 +85,7 @@ def block_bootstrap(
 
 
 def paired_difference(
-    first: Realisations, second: Realisations, *, block_length: int, seed: int = 0, level: float = LEVEL
+    first: Realisations, second: Realisations, *, block_length: int, seed: int = 0
 ) -> tuple[Interval, float]:
     """How two methods differ on the same realisations and picture pairs.
 
@@ -90,7 +93,7 @@ def paired_difference(
     ----------
     first, second : sequence of (N_r,) arrays
         Errors of each, as `block_bootstrap` takes them, of the same shapes.
-    block_length, seed, level
+    block_length, seed
         As of `block_bootstrap`.
 
     Returns
@@ -108,7 +111,7 @@ def paired_difference(
     if [np.shape(one) for one in first] != [np.shape(one) for one in second]:
         raise StatisticsError("the two were not measured on the same pictures")
     differences = [np.subtract(a, b) for a, b in zip(first, second, strict=True)]
-    interval = block_bootstrap(differences, block_length=block_length, seed=seed, level=level)
+    interval = block_bootstrap(differences, block_length=block_length, seed=seed)
     return interval, _p_value(differences, block_length, seed)
 
 

@@ -5,13 +5,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from soft.figures.page import plain_axes
 from validation.error_profile import EXPLANATIONS, MOMENTS, percentile
 from validation.metrics import WRONG_ABOVE
 from validation.modulation import response
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 _COLOURS = ("#4c78a8", "#e45756", "#54a24b", "#b07d2b", "#7b5ea7", "#3a9c9c", "0.35")
@@ -73,8 +73,7 @@ def draw_cost(points: Mapping[str, tuple[float, float, float, float]], *, label:
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axes = figure.subplots()
-    _plain(axes)
+    axes = plain_axes(figure.subplots())
     axes.set_xscale("log")
     for number, (method, (seconds, value, low, high)) in enumerate(points.items()):
         bars = None if np.isnan(low) else [[max(value - low, 0)], [max(high - value, 0)]]
@@ -104,7 +103,7 @@ def draw_profiles(profiles: "Mapping[str, xr.Dataset]", quantity: str) -> "Figur
     figure = Figure(figsize=(13, 6.4), layout="constrained")
     grid = figure.subplots(2, 4).ravel()
     for axes, (name, explanation) in zip(grid, EXPLANATIONS.items(), strict=False):
-        _plain(axes)
+        plain_axes(axes)
         places = np.arange(len(explanation.edges) - 1)
         labels = [_bin_label(explanation.edges, k) for k in range(len(explanation.edges) - 1)]
         for number, (method, profile) in enumerate(profiles.items()):
@@ -186,8 +185,7 @@ def draw_response(responses: "Mapping[str, xr.Dataset]") -> "Figure":
     from matplotlib.figure import Figure
 
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
-    axes = figure.subplots()
-    _plain(axes)
+    axes = plain_axes(figure.subplots())
     axes.set_xscale("log")
     for number, (method, sums) in enumerate(responses.items()):
         colour, marker = _style(number)
@@ -244,9 +242,3 @@ def _bin_label(edges: Sequence[float], k: int) -> str:
 
 def _style(number: int) -> tuple[str, str]:
     return _COLOURS[number % len(_COLOURS)], _MARKERS[number % len(_MARKERS)]
-
-
-def _plain(axes: "Axes") -> None:
-    axes.spines[["top", "right"]].set_visible(False)
-    axes.grid(color="0.9", linewidth=0.6)
-    axes.set_axisbelow(True)

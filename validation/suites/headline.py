@@ -146,6 +146,12 @@ def headline_document(headlines: Iterable[Headline], comparisons: Iterable[Compa
     }
 
 
+def group_title(scene: str, label: str, severity: str, stride: int) -> str:
+    """What a group of lines is called: the scene, and what is not as usual."""
+    told = (scene, label, "" if severity == "clean" else severity, f"stride {stride}" if stride != 1 else "")
+    return ", ".join(part for part in told if part)
+
+
 def grouped(lines: Iterable[Line], names: Sequence[str]) -> dict[tuple[Any, ...], list[Line]]:
     """Lines by their values of `names`, in order."""
     found: dict[tuple[Any, ...], list[Line]] = {}

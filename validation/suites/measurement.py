@@ -81,7 +81,7 @@ def measure(
     import soft
 
     count = min(pair_count or footage.pair_count, footage.pair_count)
-    sequence = _sequence(footage, count)
+    sequence = soft.ImageSequence.open(footage.folder).select(stop=count + 1)
     began = time.perf_counter()
     path = scratch / "flow.nc"
     with soft.analyze(sequence, method=method, threads=threads, path=path, progress=progress) as flow:
@@ -105,19 +105,6 @@ def measure(
     if responses:
         found = found.merge(sum(responses[1:], responses[0]))
     return found.assign_attrs(facts)
-
-
-def _sequence(footage: "Footage", pair_count: int):
-    import soft
-
-    sequence = soft.ImageSequence.open(footage.folder)
-    if pair_count == footage.pair_count:
-        return sequence
-    return soft.ImageSequence.from_arrays(
-        [footage.picture(k) for k in range(pair_count + 1)],
-        metres_per_pixel=footage.metres_per_pixel,
-        frame_rate=footage.frame_rate,
-    )
 
 
 def _table(scores: "Sequence[dict[str, ErrorSummary]]", seconds: float) -> "xr.Dataset":

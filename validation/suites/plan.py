@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
 from validation.manifest import key_of
@@ -45,6 +46,10 @@ class Motion:
 
     def load(self) -> "AnyScene":
         """The resolved scene."""
+        return self._scene
+
+    @cached_property
+    def _scene(self) -> "AnyScene":
         from synth import load_scene
         from synth.scene import parse_scene
 
@@ -89,6 +94,11 @@ class Realisation:
 
     def scene(self) -> "AnyScene":
         """The resolved scene of the pictures."""
+        return self._scene
+
+    @cached_property
+    def _scene(self) -> "AnyScene":
+        # Every measurement's key asks for it, several times a suite.
         from synth.scene import parse_scene
         from validation.suites.severities import severity_changes
 

@@ -9,11 +9,10 @@ import numpy as np
 
 from validation.modulation import resolved_period, response
 from validation.page import Panel, write_page
-from validation.statistics import Interval
 from validation.strata import MEANINGS
 from validation.suites.execution import Failure, is_measured
 from validation.suites.figures import draw_cost, draw_heat_map, draw_profiles, draw_response, draw_worst
-from validation.suites.headline import Comparison, Headline, headlines
+from validation.suites.headline import Comparison, Headline, group_title, headlines
 from validation.suites.leaderboard import STRATA, Standing, standings
 from validation.suites.plan import Look, Suite
 from validation.suites.table import Line, open_measurement
@@ -114,25 +113,15 @@ def _facts(suite: Suite, looks: Sequence[Look]) -> dict[str, str]:
 
 
 def _board_cells(standing: Standing) -> list[str]:
-    shares = [
-        _with_interval(standing.wrong[stratum], ".1%") if stratum in standing.wrong else "-"
-        for stratum in STRATA
-    ]
+    shares = [standing.wrong[stratum].told(".1%") if stratum in standing.wrong else "-" for stratum in STRATA]
     told = f"{standing.better} / {standing.worse}"
     return [
-        _with_interval(standing.median, ".3f"),
+        standing.median.told(".3f"),
         *shares,
         told,
         f"{standing.seconds:.2f}",
         str(standing.scene_count),
     ]
-
-
-def _with_interval(interval: Interval, form: str) -> str:
-    value = format(interval.value, form)
-    if np.isnan(interval.low):
-        return value
-    return f"{value} ± {format((interval.high - interval.low) / 2, form)}"
 
 
 def _overview(
@@ -163,10 +152,8 @@ def _overview(
     ]
 
 
-def _scene(headline: Headline | Comparison) -> str:
-    stride = f"stride {headline.stride}" if headline.stride != 1 else ""
-    severity = headline.severity if headline.severity != "clean" else ""
-    return ", ".join(part for part in (headline.scene, headline.label, severity, stride) if part)
+def _scene(one: Headline | Comparison) -> str:
+    return group_title(one.scene, one.label, one.severity, one.stride)
 
 
 def _profile_panels(out: Path, looks: Sequence[Look], methods: Sequence[str]) -> list[Panel]:
@@ -227,9 +214,7 @@ def _scene_pages(
 def _cells(headline: Headline) -> list[str]:
     forms = {"median": ".3f", "p95": ".3f", "wrong_0.3": ".1%", "wrong_1.0": ".1%"}
     found = [f"{headline.pixel_share:.1%}"]
-    found += [
-        _with_interval(headline.errors[q], form) if q in headline.errors else "-" for q, form in forms.items()
-    ]
+    found += [headline.errors[q].told(form) if q in headline.errors else "-" for q, form in forms.items()]
     return [*found, str(headline.errors["wrong_0.3"].realisation_count)]
 
 

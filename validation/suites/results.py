@@ -7,9 +7,12 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import numpy as np
+
+from validation.statistics import Interval
 from validation.suites import anchor
 from validation.suites.execution import Failure
-from validation.suites.headline import comparisons, headline_document, headlines
+from validation.suites.headline import GROUP, comparisons, group_title, headline_document, headlines
 from validation.suites.plan import Suite
 from validation.suites.report import write_suite_report
 from validation.suites.table import collect, write_csv, write_netcdf
@@ -72,16 +75,11 @@ def results_table(document: dict[str, Any], strata: Iterable[str] = ("all", "mov
     former = ("", "")
     for one in document["headlines"]:
         if one["stratum"] in strata:
-            here = _scene(one), one["method"]
+            here = group_title(*(one[name] for name in GROUP)), one["method"]
             shown = ("", "") if here == former else here
             table.add_row(shown[0], one["stratum"], shown[1], *_cells(one))
             former = here
     return table
-
-
-def _scene(headline: dict[str, Any]) -> str:
-    stride = f"stride {headline['stride']}" if headline["stride"] != 1 else ""
-    return ", ".join(p for p in (headline["scene"], headline["label"], headline["severity"], stride) if p)
 
 
 def _cells(headline: dict[str, Any]) -> list[str]:
@@ -96,8 +94,5 @@ _FORMS = {"median": ".3f", "p95": ".3f", "wrong_0.3": ".1%"}
 def _with_interval(interval: dict[str, Any] | None, form: str) -> str:
     if interval is None:
         return "-"
-    value = format(interval["value"], form)
-    if interval["low"] is None:
-        return value
-    half = (interval["high"] - interval["low"]) / 2
-    return f"{value} \N{PLUS-MINUS SIGN} {format(half, form)}"
+    known: dict[str, Any] = {name: np.nan if value is None else value for name, value in interval.items()}
+    return Interval(**known).told(form)
