@@ -8,8 +8,9 @@ from synth.cache import cached
 from synth.dem.contact_law import ContactLaw, damping_ratio_of
 from synth.dem.relative_density import DIAMETER, SIDE, SettlingRelation, settled_sample
 from synth.soil import GrainContact
-from validation.verification.biaxial import STIFFNESS, STRAIN_STEP, Compression, compress
+from validation.verification.biaxial import MODULUS, STRAIN_STEP, Compression, compress
 from validation.verification.comparison import Progress
+from validation.verification.packing import Box
 
 RECIPE = 1
 """Raised when the test changes: older results in the cache are then left alone."""
@@ -116,7 +117,7 @@ def _measured(
         test = compress(
             poured,
             _law(contact),
-            width=SIDE * DIAMETER,
+            box=Box(SIDE * DIAMETER),
             end=END,
             progress=lambda done, total: progress(part * total + done, parts * total),
         )
@@ -134,8 +135,8 @@ def peak_sine(test: Compression) -> float:
 def _law(contact: GrainContact) -> ContactLaw:
     """The soil's contacts at the test's stiffness; platens are smooth."""
     return ContactLaw(
-        normal_stiffness=STIFFNESS,
-        tangential_stiffness=0.5 * STIFFNESS,
+        normal_stiffness=MODULUS,
+        tangential_stiffness=0.5 * MODULUS,
         damping_ratio=damping_ratio_of(contact.restitution),
         friction=contact.friction,
         wall_friction=0.0,

@@ -10,9 +10,9 @@ from synth.dem.tool import Tool
 from synth.implements import Shape
 from synth.scene import GRAVITY
 from validation.verification.comparison import Comparison, compare
-from validation.verification.contact_forces import contact_forces
+from validation.verification.contact_forces import X, Z, contact_forces
 from validation.verification.discs import DEFAULT, DENSITY, RADIUS, STIFFNESS, advance_for, law, solver_of
-from validation.verification.packing import DIAMETER, settled
+from validation.verification.packing import DIAMETER, Box
 
 _KEPT = "closed form: conserved"
 _ROUND_OFF = 1e-9
@@ -109,12 +109,10 @@ def angular_momentum() -> list[Comparison]:
 
 def weight_on_walls() -> list[Comparison]:
     """A small bed at rest between rough walls: floor and walls carry its weight, and the walls each other."""
-    width = 20 * DIAMETER
+    box = Box(20 * DIAMETER)
     rough = law(restitution=0.3, friction=0.5, wall_friction=0.5, rolling_friction=0.1)
-    grains = settled(300, width, rough, seed=4)
-    solver = solver_of(
-        grains, rough, width=width, gravity=(0.0, -GRAVITY), steps_per_contact=DEFAULT, drag=100.0
-    )
+    grains = box.settled(300, rough, seed=4)
+    solver = box.solver(grains, rough, drag=100.0)
     advance_for(solver, 0.1)
     walls = contact_forces(solver).from_walls.sum(axis=2)
     weight = float(grains.mass.sum()) * GRAVITY
@@ -123,14 +121,14 @@ def weight_on_walls() -> list[Comparison]:
         compare(
             "floor and walls carry the weight, N/m",
             reference=weight,
-            measured=walls[:, 1].sum(),
+            measured=walls[:, Z].sum(),
             limit=0.001,
             source=source,
         ),
         compare(
             "horizontal forces of floor and walls, N/m",
             reference=0.0,
-            measured=walls[:, 0].sum(),
+            measured=walls[:, X].sum(),
             scale=weight,
             limit=0.001,
             source=source,

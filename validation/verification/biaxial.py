@@ -1,26 +1,29 @@
-"""Biaxial compression between smooth platens: the friction angle at the critical state."""
+"""Biaxial compression between smooth platens, of spheres between smooth glass: the critical state."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
-from synth.dem.packing import solid_fraction, void_ratio
 from synth.dem.solver import Solver
 from synth.dem.tool import Tool
 from synth.implements import Shape
 from validation.published import read_published
-from validation.verification.comparison import Comparison, Progress, compare, compare_with_bounds
-from validation.verification.discs import DEFAULT, MASS, advance_for, law, solver_of
-from validation.verification.packing import DIAMETER, settled
+from validation.verification.comparison import (
+    Comparison,
+    Progress,
+    compare,
+    compare_with_bounds,
+    part_of,
+)
+from validation.verification.discs import MASS, advance_for, law
+from validation.verification.packing import DIAMETER, Box
 
-_COUNT = 900
-_WIDTH = 30 * DIAMETER
 PRESSURE = 1000.0
 """Confining pressure, Pa."""
-STIFFNESS = 1000 * PRESSURE
-"""Of contacts, N/m per metre of width."""
+MODULUS = 1000 * PRESSURE
+"""Of contacts, Pa: of discs, their stiffness, N/m per metre of width."""
 _RATE = 0.4
 """Rate of compression, 1/s: an inertial number of about 1e-3."""
 _CRITICAL, _END = 0.15, 0.30
@@ -30,19 +33,64 @@ STRAIN_STEP = 0.0025
 _HALF_THICKNESS = 2 * DIAMETER
 _MARGIN = 3
 """Grain diameters along the platens that are left out where the packing is measured."""
+_FRICTION = 0.5
+_ROLLING_FRICTION = 0.2
 _SEEDS = (5, 6)
+
+
+@dataclass(frozen=True)
+class Sample:
+    """What is compressed, and what is known of it.
+
+    Attributes
+    ----------
+    box : Box
+    count : int
+        Grains.
+    published : str
+        The friction that was published for such grains, in `reference/critical_state.csv`.
+    source : str
+        Where.
+    """
+
+    box: Box
+    count: int
+    published: str
+    source: str
+
+
+DISCS = Sample(
+    Box(30 * DIAMETER),
+    900,
+    "effective_friction",
+    "da Cruz et al., Phys. Rev. E 72 (2005) 021309: slow shear of discs of friction 0.4",
+)
+SLAB = Sample(
+    Box(20 * DIAMETER, thickness=5 * DIAMETER),
+    2000,
+    "sphere_friction",
+    "Chialvo, Sun, Sundaresan, Phys. Rev. E 85 (2012) 021305: slow shear of spheres of friction 0.5",
+)
 
 
 def biaxial(progress: Progress) -> list[Comparison]:
     """Friction angle of discs of friction 0.5 that roll freely, and of such that resist rolling."""
-    published = read_published("critical_state")["effective_friction"]
-    runs = [(rolling_friction, seed) for rolling_friction in (0.0, 0.2) for seed in _SEEDS]
+    return _compared(DISCS, progress)
+
+
+def sphere_biaxial(progress: Progress) -> list[Comparison]:
+    """The same of spheres in plane strain."""
+    return _compared(SLAB, progress)
+
+
+def _compared(sample: Sample, progress: Progress) -> list[Comparison]:
+    runs = [(rolling_friction, seed) for rolling_friction in (0.0, _ROLLING_FRICTION) for seed in _SEEDS]
     found = {}
     for part, run in enumerate(runs):
-        found[run] = critical_state(*run, _part(progress, part, len(runs)))
+        found[run] = critical_state(sample, *run, part_of(progress, part, len(runs)))
     free, resisting = (
         float(np.mean([found[rolling_friction, seed].sine for seed in _SEEDS]))
-        for rolling_friction in (0.0, 0.2)
+        for rolling_friction in (0.0, _ROLLING_FRICTION)
     )
     return [
         compare(
@@ -54,13 +102,13 @@ def biaxial(progress: Progress) -> list[Comparison]:
         ),
         compare(
             "sine of the critical-state friction angle, no rolling friction",
-            reference=published.value,
+            reference=read_published("critical_state")[sample.published].value,
             measured=free,
             limit=0.2,
-            source="da Cruz et al., Phys. Rev. E 72 (2005) 021309: slow shear of discs of friction 0.4",
+            source=sample.source,
         ),
         compare_with_bounds(
-            "that sine at rolling friction 0.2 / at none",
+            f"that sine at rolling friction {_ROLLING_FRICTION} / at none",
             low=1.1,
             high=2.0,
             measured=resisting / free,
@@ -82,11 +130,12 @@ class CriticalState:
         return (self.across - self.confining) / (self.across + self.confining)
 
 
-def critical_state(rolling_friction: float, seed: int, progress: Progress) -> CriticalState:
+def critical_state(sample: Sample, rolling_friction: float, seed: int, progress: Progress) -> CriticalState:
     """Compress one sample and average its stresses at the critical state."""
-    rough = law(restitution=0.3, friction=0.5, rolling_friction=rolling_friction, stiffness=STIFFNESS)
-    poured = settled(_COUNT, _WIDTH, rough, seed=seed)
-    test = compress(poured, rough, width=_WIDTH, end=_END, progress=progress)
+    stiffness = sample.box.stiffness(MODULUS)
+    rough = law(restitution=0.3, friction=_FRICTION, rolling_friction=rolling_friction, stiffness=stiffness)
+    poured = sample.box.settled(sample.count, rough, seed=seed)
+    test = compress(poured, rough, box=sample.box, end=_END, progress=progress)
     across, confining = test.stress[round(_CRITICAL / STRAIN_STEP) :].mean(axis=0)
     return CriticalState(float(across), float(confining))
 
@@ -100,7 +149,7 @@ class Compression:
     stress : ndarray, shape (N, 2)
         Mean stresses over each `STRAIN_STEP`, along x and along z, Pa.
     void_ratio : tuple of float
-        Before and after, clear of the platens.
+        Before and after, clear of the platens; of spheres, with what glass makes looser.
     """
 
     stress: np.ndarray
@@ -113,41 +162,36 @@ class Compression:
         return (across - confining) / (across + confining)
 
 
-def compress(
-    poured: Grains, rough: ContactLaw, *, width: float, end: float, progress: Progress
-) -> Compression:
+def compress(poured: Grains, rough: ContactLaw, *, box: Box, end: float, progress: Progress) -> Compression:
     """Put settled grains between smooth platens under `PRESSURE`, and compress them.
 
     Parameters
     ----------
     poured : Grains
-        At rest between the floor, z = 0, and walls at x = 0 and `width` (m).
+        At rest in the box.
     rough : ContactLaw
-        Of stiffness `STIFFNESS`, its walls and implement without friction.
+        Of contacts of `MODULUS`; walls, implement and glass without friction.
     end : float
         Strain to compress to.
     """
-    cell = _filled_cell(poured, rough, width)
-    before, looks = _void_ratio(cell), round(end / STRAIN_STEP)
+    cell = _filled_cell(poured, rough, box)
+    before, looks = _void_ratio(cell, box), round(end / STRAIN_STEP)
     stress = []
     for look in range(1, looks + 1):
-        stress.append(_compress(cell))
+        stress.append(_compress(cell, box.depth))
         progress(look, looks)
-    return Compression(np.array(stress), (before, _void_ratio(cell)))
+    return Compression(np.array(stress), (before, _void_ratio(cell, box)))
 
 
-def _part(progress: Progress, part: int, parts: int) -> Progress:
-    return lambda done, total: progress(part * total + done, parts * total)
-
-
-def _compress(cell: Solver) -> tuple[float, float]:
+def _compress(cell: Solver, depth: float) -> tuple[float, float]:
     """Compress along x by one look's strain: mean stresses along x and z meanwhile, Pa."""
     width, height = _size(cell)
-    cell.drive_tool(velocity_x=-_RATE * width, velocity_z=0.0, spin=0.0, load=PRESSURE * width)
+    load = PRESSURE * width * depth
+    cell.drive_tool(velocity_x=-_RATE * width, velocity_z=0.0, spin=0.0, load=load)
     start = cell.time
     advance_for(cell, STRAIN_STEP / _RATE)
     given, time = cell.take_tool_impulse(), cell.time - start
-    return given.x / time / height, given.z / time / width
+    return given.x / time / height / depth, given.z / time / width / depth
 
 
 def _size(cell: Solver) -> tuple[float, float]:
@@ -156,34 +200,30 @@ def _size(cell: Solver) -> tuple[float, float]:
     return corner.x - _HALF_THICKNESS, corner.z - _HALF_THICKNESS
 
 
-def _void_ratio(cell: Solver) -> float:
+def _void_ratio(cell: Solver, box: Box) -> float:
     (width, height), margin = _size(cell), _MARGIN * DIAMETER
-    return void_ratio(
-        solid_fraction(
-            cell.read_grains(), left=margin, right=width - margin, bottom=margin, top=height - margin
-        )
+    return box.void_ratio(
+        cell.read_grains(), left=margin, right=width - margin, bottom=margin, top=height - margin
     )
 
 
-def _filled_cell(grains: Grains, rough: ContactLaw, width: float) -> Solver:
+def _filled_cell(grains: Grains, rough: ContactLaw, box: Box) -> Solver:
     """Grains settled under gravity, then without it between the platens.
 
     Roof and right wall are one angle: it is pushed along x as told and heaves under the confining load. Its
     upright leg reaches through the floor, which stops grains but no implements, so that no gap opens.
     """
-    top = float((grains.position[1] + grains.radius).max())
+    width, top = box.width, float((grains.position[-1] + grains.radius).max())
     points = np.array([(-width - 8 * DIAMETER, 0.0), (0.0, 0.0), (0.0, -3 * top)])
     angle = Tool(
         Shape.chain(points, _HALF_THICKNESS),
         x=width + _HALF_THICKNESS,
         z=top + _HALF_THICKNESS,
-        mass=30 * MASS,
-        load=PRESSURE * width,
+        mass=30 * MASS * box.depth,
+        load=PRESSURE * width * box.depth,
         heaves=True,
     )
-    room = width + 4 * DIAMETER
-    calming = solver_of(grains, rough, width=room, steps_per_contact=DEFAULT, drag=100.0, tool=angle)
+    room = replace(box, width=width + 4 * DIAMETER)
+    calming = room.solver(grains, rough, gravity=0.0, drag=100.0, tool=angle)
     advance_for(calming, 0.05)
-    return solver_of(
-        calming.read_grains(), rough, width=room, steps_per_contact=DEFAULT, tool=calming.read_tool()
-    )
+    return room.solver(calming.read_grains(), rough, gravity=0.0, tool=calming.read_tool())

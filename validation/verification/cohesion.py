@@ -5,12 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from synth.dem.contact_law import ContactLaw
-from synth.dem.grains import Grains, Spheres
+from synth.dem.grains import Spheres
 from synth.dem.solver import Solver
 from synth.scene import GRAVITY
 from validation.verification.comparison import Comparison, compare, compare_with_bounds
 from validation.verification.discs import (
-    DEFAULT,
     DENSITY,
     RADIUS,
     STIFFNESS,
@@ -19,7 +18,7 @@ from validation.verification.discs import (
     law,
     solver_of,
 )
-from validation.verification.packing import DIAMETER, settled
+from validation.verification.packing import DIAMETER, Box, moved
 from validation.verification.spheres import sphere_solver, spheres_at
 
 _COHESION = 2.0
@@ -109,17 +108,13 @@ def _sticky(dry: ContactLaw, cohesion: float) -> ContactLaw:
 
 def standing_column() -> list[Comparison]:
     """A column of 200 discs loses its walls: dry it falls apart, cohesive it stands."""
-    width = 8 * DIAMETER
     dry = law(restitution=0.5, friction=0.5, wall_friction=0.5)
-    bed = settled(200, width, dry, seed=8)
+    bed = Box(8 * DIAMETER).settled(200, dry, seed=8)
     height = float(np.ptp(bed.position[1]))
     weight = float(bed.mass.sum()) * GRAVITY
     left = {}
     for cohesion in (0.0, 4 * weight / 8):
-        moved = Grains.at_rest(bed.position + np.array([[0.2], [0.0]]), bed.radius, bed.density)
-        solver = solver_of(
-            moved, _sticky(dry, cohesion), width=0.4, gravity=(0.0, -GRAVITY), steps_per_contact=DEFAULT
-        )
+        solver = Box(0.4).solver(moved(bed, x=0.2), _sticky(dry, cohesion))
         advance_for(solver, 3 * float(np.sqrt(2 * height / GRAVITY)))
         left[cohesion] = float(np.ptp(solver.read_grains().position[1])) / height
     # Unconfined, grains of friction 0.5 carry a stress of about cohesion / diameter: four times the need.

@@ -1,7 +1,7 @@
 """One quantity that is known beforehand beside what the solver gave."""
 
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from typing import Any
 
 Progress = Callable[[int, int], None]
@@ -38,9 +38,18 @@ class Comparison:
         """Whether the limit is kept; a measurement that is not a number keeps none."""
         return bool(self.relative_error <= self.limit)
 
+    def headed(self, subject: str) -> "Comparison":
+        """The same, with what it was measured on before its quantity."""
+        return replace(self, quantity=f"{subject}: {self.quantity}")
+
     def to_dict(self) -> dict[str, Any]:
         """The fields and the verdict, for JSON."""
         return asdict(self) | {"passed": self.passed}
+
+
+def part_of(progress: Progress, part: int, parts: int) -> Progress:
+    """Progress of one of several equal parts as progress of the whole."""
+    return lambda done, total: progress(part * total + done, parts * total)
 
 
 def compare(

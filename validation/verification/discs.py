@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.dem.contact_law import ContactLaw, damping_ratio_of, largest_time_step
+from synth.dem.contact_law import ContactLaw, Law, damping_ratio_of, time_step_of
 from synth.dem.grains import Grains
 from synth.dem.solver import Solver
 from synth.dem.tool import Tool
@@ -30,10 +30,11 @@ def law(
     friction: float = 0.0,
     wall_friction: float = 0.0,
     implement_friction: float = 0.0,
+    glass_friction: float = 0.0,
     rolling_friction: float = 0.0,
     stiffness: float = STIFFNESS,
 ) -> ContactLaw:
-    """Linear contacts, half as stiff along the tangent as along the normal."""
+    """Linear contacts, half as stiff along the tangent as along the normal; both panes of glass are alike."""
     return ContactLaw(
         normal_stiffness=stiffness,
         tangential_stiffness=0.5 * stiffness,
@@ -42,6 +43,8 @@ def law(
         wall_friction=wall_friction,
         implement_friction=implement_friction,
         rolling_friction=rolling_friction,
+        glass_friction=glass_friction,
+        back_friction=glass_friction,
     )
 
 
@@ -63,17 +66,20 @@ def discs_at(centres: ArrayLike, *, velocity: ArrayLike = 0.0, spin: ArrayLike =
 
 def solver_of(
     grains: Grains,
-    contact_law: ContactLaw,
+    contact_law: Law,
     *,
     width: float = 1.0,
+    thickness: float = np.inf,
     gravity: tuple[float, float] = (0.0, 0.0),
     steps_per_contact: int = FINE,
     drag: float = 0.0,
     tool: Tool | None = None,
 ) -> Solver:
     """A solver that resolves the shortest collision in so many steps."""
-    step = largest_time_step(grains.mass, contact_law.normal_stiffness, steps_per_contact)
-    return Solver(grains, contact_law, width, step, gravity=gravity, drag=drag, tool=tool)
+    step = time_step_of(grains, contact_law, steps_per_contact)
+    return Solver(
+        grains, contact_law, width, step, gravity=gravity, drag=drag, tool=tool, thickness=thickness
+    )
 
 
 def advance_for(solver: Solver, time: float) -> None:

@@ -6,29 +6,38 @@ import sys
 
 import numpy as np
 
+from synth.dem.solver import Solver
 from synth.devices import start_taichi
-from synth.scene import GRAVITY
 from validation.verification.comparison import Comparison, compare
-from validation.verification.discs import DEFAULT, advance_for, discs_at, law, solver_of
-from validation.verification.packing import DIAMETER, loose_lattice
+from validation.verification.discs import DEFAULT, DENSITY, RADIUS, advance_for, discs_at, law, solver_of
+from validation.verification.packing import DIAMETER, Box
+from validation.verification.spheres import sphere_solver, spheres_at
+
+_START, _SPEED = 4.0, 3.6e-3
+"""Place of a slow grain along the bin, m, and its speed, m/s."""
 
 
 def slow_creep() -> list[Comparison]:
-    """A grain that moves by a hundred-millionth of its place in a step still gets there."""
-    start, speed = 4.0, 3.6e-3
-    solver = solver_of(
-        discs_at([[start], [0.5]], velocity=[[speed], [0.0]]), law(), width=5.0, steps_per_contact=DEFAULT
-    )
+    """A disc that moves by a hundred-millionth of its place in a step still gets there."""
+    disc = discs_at([[_START], [0.5]], velocity=[[_SPEED], [0.0]])
+    return [_creep("grain", solver_of(disc, law(), width=5.0, steps_per_contact=DEFAULT))]
+
+
+def sphere_creep() -> list[Comparison]:
+    """The same of a sphere, with contacts as stiff as a bed's."""
+    sphere = spheres_at([[_START], [0.5], [0.5]], RADIUS, DENSITY, velocity=[[_SPEED], [0.0], [0.0]])
+    return [_creep("sphere", sphere_solver(sphere, law(stiffness=2000.0), steps_per_contact=DEFAULT))]
+
+
+def _creep(kind: str, solver: Solver) -> Comparison:
     solver.advance(1000)
-    return [
-        compare(
-            "way of a slow grain 4 m from the origin, m",
-            reference=speed * solver.time,
-            measured=solver.read_grains().position[0, 0] - start,
-            limit=1e-6,
-            source="closed form: uniform motion",
-        )
-    ]
+    return compare(
+        f"way of a slow {kind} {_START:g} m from the origin, m",
+        reference=_SPEED * solver.time,
+        measured=solver.read_grains().position[0, 0] - _START,
+        limit=1e-6,
+        source="closed form: uniform motion",
+    )
 
 
 def threads() -> list[Comparison]:
@@ -55,9 +64,9 @@ def _digest_with(thread_count: int) -> bytes:
 def print_digest(thread_count: int) -> None:
     """Print the SHA-256 of places and velocities after a small collapse."""
     start_taichi(threads=thread_count)
-    grains = loose_lattice(400, 20 * DIAMETER, seed=2)
+    box = Box(20 * DIAMETER)
     rough = law(restitution=0.5, friction=0.5, wall_friction=0.5, rolling_friction=0.1)
-    solver = solver_of(grains, rough, width=20 * DIAMETER, gravity=(0.0, -GRAVITY), steps_per_contact=DEFAULT)
+    solver = box.solver(box.lattice(400, seed=2), rough)
     advance_for(solver, 0.02)
     after = solver.read_grains()
     state = np.concatenate([after.position, after.velocity, [after.angle], [after.spin]])

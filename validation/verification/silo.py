@@ -1,5 +1,6 @@
 """Janssen's law: in a silo, walls carry the weight, and the stress saturates with depth."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -10,19 +11,14 @@ from synth.dem.solver import Solver
 from synth.dem.tool import Tool
 from synth.implements import Shape
 from synth.scene import GRAVITY
-from validation.verification.comparison import Comparison, Progress, compare, compare_with_bounds
-from validation.verification.contact_forces import LEFT, RIGHT, contact_forces
-from validation.verification.discs import DEFAULT, advance_for, law, solver_of
-from validation.verification.packing import DIAMETER, loose_lattice, time_to_fall
+from validation.verification.comparison import Comparison, Progress, compare, compare_with_bounds, part_of
+from validation.verification.contact_forces import BACK, GLASS, LEFT, RIGHT, X, Y, Z, contact_forces
+from validation.verification.discs import advance_for, law
+from validation.verification.packing import DIAMETER, Box
 
-_WIDTH = 20 * DIAMETER
-_COUNT = 2400
-"""Grains: a column about six times as tall as it is wide."""
 _WALL_FRICTION = 0.3
 _ROLLING_FRICTION = 0.3
-"""Discs that roll freely would roll down the smooth walls, and mobilise half of the friction there."""
-_STIFFNESS = 2e6
-"""N/m per metre: more than a thousand times the stress at which it saturates."""
+"""Grains that roll freely would roll down the smooth walls, and mobilise half of the friction there."""
 _SPEED = 0.01
 """Of the floor, which is lowered so that friction is mobilised at the walls, m/s."""
 _FIRST_WAY, _SECOND_WAY = 1.0 * DIAMETER, 0.5 * DIAMETER
@@ -30,23 +26,78 @@ _FIRST_WAY, _SECOND_WAY = 1.0 * DIAMETER, 0.5 * DIAMETER
 _LOOKS = 30
 _HEIGHTS = 40
 _JANSSEN = (
-    "Janssen, Z. Ver. Dtsch. Ing. 39 (1895) 1045, in two dimensions: s = S (1 - exp(-q / S)), "
-    "S = rho g W / (2 mu K), q = rho g depth"
+    "Janssen, Z. Ver. Dtsch. Ing. 39 (1895) 1045: s = S (1 - exp(-q / S)), q = rho g depth, "
+    "S = rho g section / sum over the walls of (length along the section x mu K)"
 )
 
 
 @dataclass(frozen=True)
-class _Stresses:
-    """Means over the looks, Pa, at some heights.
+class Silo:
+    """A silo and what is in it.
+
+    Attributes
+    ----------
+    kind : str
+        What its rows are headed with.
+    box : Box
+    count : int
+        Grains: a column that is several times as tall as stresses take to saturate.
+    modulus : float
+        Of contacts, Pa: more than a thousand times the stress at saturation.
+    glass_friction : float
+        Of the panes before and behind spheres.
+    """
+
+    kind: str
+    box: Box
+    count: int
+    modulus: float
+    glass_friction: float = 0.0
+
+    @property
+    def section(self) -> float:
+        """Area across the height, m2; of discs, per metre of width."""
+        return self.box.width * self.box.depth
+
+    @property
+    def walls(self) -> dict[str, "_WallPair"]:
+        """Those that rub, by name."""
+        pairs = {"wall": _WallPair(LEFT, RIGHT, X, self.box.depth)}
+        if self.glass_friction:
+            pairs["glass"] = _WallPair(GLASS, BACK, Y, self.box.width)
+        return pairs
+
+
+@dataclass(frozen=True)
+class _WallPair:
+    """Two walls opposite each other: their numbers, the axis they face along, and the length of each, m."""
+
+    first: int
+    second: int
+    axis: int
+    length: float
+
+
+DISCS = Silo("discs", Box(20 * DIAMETER), 2400, 2e6)
+"""Six widths tall."""
+SLAB = Silo("slab", Box(10 * DIAMETER, thickness=5 * DIAMETER), 3400, 1e6)
+"""Six widths tall; smooth glass carries nothing, so that stresses saturate as between two walls."""
+ROUGH_SLAB = Silo("rough slab", Box(10 * DIAMETER, thickness=5 * DIAMETER), 1800, 1e6, _WALL_FRICTION)
+"""Glass that rubs as the walls do saturates them three times as soon: half the height is enough."""
+
+
+@dataclass(frozen=True)
+class Stresses:
+    """Means over the looks, Pa.
 
     Attributes
     ----------
     hydrostatic : ndarray
-        Weight above / width: what the stress would be without walls.
+        Weight above / section: what the stress would be without walls, at some heights.
     vertical : ndarray
-        From the forces between grains.
-    wall_pressure, wall_shear : float
-        Of both walls over the middle half of the column.
+        From the forces between grains, at these.
+    pressure, shear : dict of float
+        Of walls that rub, over the middle half of the column.
     middle : ndarray of bool
         Heights of that half.
     base : float
@@ -57,41 +108,42 @@ class _Stresses:
 
     hydrostatic: np.ndarray
     vertical: np.ndarray
-    wall_pressure: float
-    wall_shear: float
+    pressure: dict[str, float]
+    shear: dict[str, float]
     middle: np.ndarray
     base: float
     bulk_weight: float
 
 
 def janssen(progress: Progress) -> list[Comparison]:
-    """Stress in a silo whose floor is lowered slowly.
+    """Stress in a silo of discs whose floor is lowered slowly."""
+    return compare_with_janssen(DISCS, measure_stresses(DISCS, progress))
 
-    One number is fitted, the stress S at which Janssen's profile saturates; it is then held against the one
-    that follows, without a fit, from the stresses measured at the walls.
+
+def sphere_janssen(progress: Progress) -> list[Comparison]:
+    """The same of spheres, between smooth panes of glass and between such that rub as the walls do."""
+    silos = (SLAB, ROUGH_SLAB)
+    rows = []
+    for part, silo in enumerate(silos):
+        rows += compare_with_janssen(silo, measure_stresses(silo, part_of(progress, part, len(silos))))
+    return rows
+
+
+def compare_with_janssen(silo: Silo, stresses: Stresses) -> list[Comparison]:
+    """What was measured beside Janssen's law.
+
+    One number is fitted, the stress S at which the profile saturates; it is then held against the one that
+    follows, without a fit, from the stresses measured at the walls.
     """
-    stresses = _measured_stresses(progress)
     (saturation,), _ = curve_fit(_janssen_stress, stresses.hydrostatic, stresses.vertical, p0=[1000.0])
     misfit = stresses.vertical - _janssen_stress(stresses.hydrostatic, saturation)
-    mobilised = stresses.wall_shear / stresses.wall_pressure
-    ratio = stresses.wall_pressure / float(stresses.vertical[stresses.middle].mean())
-    unfitted = stresses.bulk_weight * _WIDTH / (2 * mobilised * ratio)
+    vertical = float(stresses.vertical[stresses.middle].mean())
+    carried = sum(2 * pair.length * stresses.shear[name] for name, pair in silo.walls.items())
+    unfitted = stresses.bulk_weight * silo.section * vertical / carried
     full = float(stresses.hydrostatic.max())
-    return [
-        compare(
-            "wall friction mobilised",
-            reference=_WALL_FRICTION,
-            measured=mobilised,
-            limit=0.1,
-            source="Coulomb",
-        ),
-        compare_with_bounds(
-            "K = wall pressure / mean vertical stress, not fitted",
-            low=0.33,
-            high=1.2,
-            measured=ratio,
-            source="from Rankine's active state of a soil of 30 degrees to a little above isotropic",
-        ),
+    rows = [
+        *_friction_mobilised(stresses),
+        *_pressure_ratios(stresses, vertical),
         compare(
             "stress at saturation S, fitted, against the one from K and mobilised friction, Pa",
             reference=unfitted,
@@ -119,8 +171,35 @@ def janssen(progress: Progress) -> list[Comparison]:
             low=0.0,
             high=0.6,
             measured=stresses.base / full,
-            source="saturation: a column six widths tall must hang on its walls",
+            source="saturation: a column of several times the height that it takes hangs on its walls",
         ),
+    ]
+    return [row.headed(silo.kind) for row in rows]
+
+
+def _friction_mobilised(stresses: Stresses) -> list[Comparison]:
+    return [
+        compare(
+            f"{name} friction mobilised",
+            reference=_WALL_FRICTION,
+            measured=shear / stresses.pressure[name],
+            limit=0.1,
+            source="Coulomb",
+        )
+        for name, shear in stresses.shear.items()
+    ]
+
+
+def _pressure_ratios(stresses: Stresses, vertical: float) -> list[Comparison]:
+    return [
+        compare_with_bounds(
+            f"K = {name} pressure / mean vertical stress, not fitted",
+            low=0.33,
+            high=1.2,
+            measured=pressure / vertical,
+            source="from Rankine's active state of a soil of 30 degrees to a little above isotropic",
+        )
+        for name, pressure in stresses.pressure.items()
     ]
 
 
@@ -128,8 +207,9 @@ def _janssen_stress(hydrostatic: np.ndarray, saturation: float) -> np.ndarray:
     return saturation * (1 - np.exp(-hydrostatic / saturation))
 
 
-def _measured_stresses(progress: Progress) -> _Stresses:
-    solver = _filled_silo(progress)
+def measure_stresses(silo: Silo, progress: Progress) -> Stresses:
+    """Fill a silo, lower its floor, and average its stresses."""
+    solver = _filled(silo, progress)
     assert solver.tool is not None
     solver.drive_tool(velocity_x=0.0, velocity_z=-_SPEED, spin=0.0, load=0.0)
     advance_for(solver, _FIRST_WAY / _SPEED)
@@ -139,59 +219,86 @@ def _measured_stresses(progress: Progress) -> _Stresses:
     start, looks = solver.time, []
     for look in range(_LOOKS):
         advance_for(solver, interval)
-        looks.append(_look(solver))
+        looks.append(_look(silo, solver))
         progress(70 + 30 * look // _LOOKS, 100)
-    base = -solver.take_tool_impulse().z / (solver.time - start) / _WIDTH
-    vertical, pressure, shear, hydrostatic, bulk = (
-        np.mean(part, axis=0) for part in zip(*looks, strict=True)
-    )
-    middle = _middle(hydrostatic)
-    return _Stresses(hydrostatic, vertical, float(pressure), float(shear), middle, base, float(bulk))
+    base = -solver.take_tool_impulse().z / (solver.time - start) / silo.section
+    return _mean(looks, silo, base)
 
 
-def _filled_silo(progress: Progress) -> Solver:
+def _filled(silo: Silo, progress: Progress) -> Solver:
     """Grains at rest on a floor that can be lowered."""
-    thickness = DIAMETER
+    box, thickness = silo.box, DIAMETER
     top_of_floor = 4 * DIAMETER
-    ends = [(-2 * DIAMETER, 0.0), (_WIDTH + 2 * DIAMETER, 0.0)]
+    ends = [(-2 * DIAMETER, 0.0), (box.width + 2 * DIAMETER, 0.0)]
     floor = Tool(Shape.chain(np.array(ends), thickness), x=0.0, z=top_of_floor - thickness)
-    grains = loose_lattice(_COUNT, _WIDTH, seed=11, bottom=top_of_floor)
-    solver = solver_of(
-        grains, _law(), width=_WIDTH, gravity=(0.0, -GRAVITY), steps_per_contact=DEFAULT, tool=floor
-    )
+    grains = box.lattice(silo.count, seed=11, bottom=top_of_floor)
+    solver = box.solver(grains, _law(silo), tool=floor)
     looks = 20
     for look in range(looks):
-        advance_for(solver, (time_to_fall(grains) + 0.05) / looks)
+        advance_for(solver, (box.time_to_fall(grains) + 0.05) / looks)
         progress(6 * look // looks, 10)
     return solver
 
 
-def _law() -> ContactLaw:
+def _law(silo: Silo) -> ContactLaw:
     return law(
         restitution=0.3,
         friction=0.5,
         wall_friction=_WALL_FRICTION,
         implement_friction=0.5,
+        glass_friction=silo.glass_friction,
         rolling_friction=_ROLLING_FRICTION,
-        stiffness=_STIFFNESS,
+        stiffness=silo.box.stiffness(silo.modulus),
     )
 
 
-def _look(solver: Solver) -> tuple[np.ndarray, float, float, np.ndarray, float]:
-    """Vertical stress at heights, wall pressure and shear, hydrostatic stress at heights, specific weight."""
+@dataclass(frozen=True)
+class _Look:
+    """At one instant: stresses at heights, wall pressures and shears (Pa), specific weight (N/m3)."""
+
+    vertical: np.ndarray
+    hydrostatic: np.ndarray
+    pressure: np.ndarray
+    shear: np.ndarray
+    bulk_weight: float
+
+
+def _look(silo: Silo, solver: Solver) -> _Look:
     grains, forces = solver.read_grains(), contact_forces(solver)
-    z, weight = grains.position[1], grains.mass * GRAVITY
+    z, weight = grains.position[-1], grains.mass * GRAVITY
     bottom, top = z.min(), z.max()
     heights = np.linspace(bottom + 0.5 * DIAMETER, top - 2 * DIAMETER, _HEIGHTS)
-    vertical = forces.upward_through(heights, z) / _WIDTH
-    hydrostatic = np.array([weight[z > height].sum() for height in heights]) / _WIDTH
+    hydrostatic = np.array([weight[z > height].sum() for height in heights]) / silo.section
     low, high = np.quantile(z, [0.25, 0.75])
     inside = (z > low) & (z < high)
-    area = 2 * (high - low)
-    pressure = (forces.from_walls[LEFT, 0] - forces.from_walls[RIGHT, 0])[inside].sum() / area
-    shear = (forces.from_walls[LEFT, 1] + forces.from_walls[RIGHT, 1])[inside].sum() / area
-    bulk = weight[inside].sum() / (high - low) / _WIDTH
-    return vertical, float(pressure), float(shear), hydrostatic, float(bulk)
+    pressure, shear = [], []
+    for pair in silo.walls.values():
+        first, second = (forces.from_walls[wall][:, inside].sum(axis=1) for wall in (pair.first, pair.second))
+        area = 2 * pair.length * (high - low)
+        pressure.append((first[pair.axis] - second[pair.axis]) / area)
+        shear.append((first[Z] + second[Z]) / area)
+    return _Look(
+        forces.upward_through(heights, z) / silo.section,
+        hydrostatic,
+        np.array(pressure),
+        np.array(shear),
+        float(weight[inside].sum() / (high - low) / silo.section),
+    )
+
+
+def _mean(looks: Sequence[_Look], silo: Silo, base: float) -> Stresses:
+    hydrostatic = np.mean([look.hydrostatic for look in looks], axis=0)
+    pressure = np.mean([look.pressure for look in looks], axis=0)
+    shear = np.mean([look.shear for look in looks], axis=0)
+    return Stresses(
+        hydrostatic,
+        np.mean([look.vertical for look in looks], axis=0),
+        dict(zip(silo.walls, pressure.tolist(), strict=True)),
+        dict(zip(silo.walls, shear.tolist(), strict=True)),
+        _middle(hydrostatic),
+        base,
+        float(np.mean([look.bulk_weight for look in looks])),
+    )
 
 
 def _middle(hydrostatic: np.ndarray) -> np.ndarray:

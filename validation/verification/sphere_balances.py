@@ -6,11 +6,11 @@ import numpy as np
 
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains, Spheres
-from synth.dem.solver import Solver
 from synth.dem.tool import Tool
 from synth.implements import Shape
 from synth.scene import GRAVITY
 from validation.verification.comparison import Comparison, compare
+from validation.verification.contact_forces import contact_forces
 from validation.verification.discs import DEFAULT, DENSITY, RADIUS, advance_for, law
 from validation.verification.spheres import sphere_solver
 
@@ -79,7 +79,7 @@ def sphere_weight() -> list[Comparison]:
         drag=20.0,
     )
     advance_for(solver, 0.3)
-    pushes = wall_pushes(solver)
+    walls = contact_forces(solver).from_walls.sum(axis=2)
     weight = float(loose.mass.sum()) * GRAVITY
     source = "closed form: a bed at rest is in balance"
     return [
@@ -91,25 +91,8 @@ def sphere_weight() -> list[Comparison]:
             limit=0.001,
             source=source,
         )
-        for axis, reference, measured in zip("xyz", (0.0, 0.0, weight), pushes.sum(axis=(0, 1)), strict=True)
+        for axis, reference, measured in zip("xyz", (0.0, 0.0, weight), walls.sum(axis=0), strict=True)
     ]
-
-
-def wall_pushes(solver: Solver) -> np.ndarray:
-    """Forces of floor, left, right, glass and far face on each grain at rest, N, shape (5, N, 3).
-
-    From overlaps and remembered springs, not from the kernels.
-    """
-    assert isinstance(solver.law, ContactLaw)
-    grains, stiffness = solver.read_grains(), solver.law.normal_stiffness
-    (x, y, z), radius = grains.position, grains.radius
-    overlaps = np.stack(
-        [radius - z, radius - x, x + radius - solver.width, radius - y, y + radius - solver.thickness]
-    )
-    outwards = np.array([[0, 0, 1], [1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0]])
-    springs = solver.save_state()["wall_memory"].reshape(grains.count, 5, 6)[:, :, :3].swapaxes(0, 1)
-    pushes = stiffness * np.maximum(overlaps, 0)[:, :, None] * outwards[:, None, :]
-    return np.asarray(pushes + springs)
 
 
 def _rough(**changes: float) -> ContactLaw:

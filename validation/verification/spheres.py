@@ -6,9 +6,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from synth.dem.contact_law import HertzMindlinLaw, Law, Material, reduced_moduli, time_step_of
+from synth.dem.contact_law import HertzMindlinLaw, Law, Material, reduced_moduli
 from synth.dem.grains import Spheres
 from synth.dem.solver import Solver
+from validation.verification.discs import solver_of
 
 
 def hertzian(
@@ -51,6 +52,13 @@ def sphere_solver(
     steps_per_contact: int,
     drag: float = 0.0,
 ) -> Solver:
-    """A solver that resolves the shortest collision in so many steps."""
-    step = time_step_of(grains, law, steps_per_contact)
-    return Solver(grains, law, width, step, gravity=gravity, drag=drag, thickness=thickness)
+    """As `solver_of`, with room enough to be far from the walls."""
+    return solver_of(
+        grains,
+        law,
+        width=width,
+        thickness=thickness,
+        gravity=gravity,
+        steps_per_contact=steps_per_contact,
+        drag=drag,
+    )

@@ -10,7 +10,7 @@ from validation.verification.balances import (
     momentum_with_implement,
     weight_on_walls,
 )
-from validation.verification.biaxial import biaxial
+from validation.verification.biaxial import biaxial, sphere_biaxial
 from validation.verification.cohesion import held_pair, standing_column
 from validation.verification.collisions import (
     elastic_contact,
@@ -18,7 +18,7 @@ from validation.verification.collisions import (
     rebound_between_discs,
     rebound_from_floor,
 )
-from validation.verification.column_collapse import column_collapse
+from validation.verification.column_collapse import column_collapse, sphere_column_collapse
 from validation.verification.comparison import Comparison, Progress
 from validation.verification.impacts import (
     damped_normal_impact,
@@ -27,9 +27,9 @@ from validation.verification.impacts import (
     oblique_impact_on_plane,
     spinning_spheres,
 )
-from validation.verification.precision import slow_creep, threads
-from validation.verification.repose import repose
-from validation.verification.silo import janssen
+from validation.verification.precision import slow_creep, sphere_creep, threads
+from validation.verification.repose import repose, sphere_repose
+from validation.verification.silo import janssen, sphere_janssen
 from validation.verification.sliding_and_rolling import (
     block_on_incline,
     disc_on_incline,
@@ -66,6 +66,7 @@ FAST: dict[str, Callable[[], list[Comparison]]] = {
     "sphere-momentum": sphere_momentum,
     "sphere-angular-momentum": sphere_angular_momentum,
     "sphere-weight": sphere_weight,
+    "sphere-creep": sphere_creep,
     "cohesion": held_pair,
     "cohesive-column": standing_column,
 }
@@ -76,6 +77,10 @@ SLOW: dict[str, Callable[[Progress], list[Comparison]]] = {
     "biaxial": biaxial,
     "repose": repose,
     "column-collapse": column_collapse,
+    "sphere-janssen": sphere_janssen,
+    "sphere-biaxial": sphere_biaxial,
+    "sphere-repose": sphere_repose,
+    "sphere-column-collapse": sphere_column_collapse,
 }
 """Cases of a minute or two each, with thousands of grains."""
 
