@@ -85,25 +85,29 @@ def sphere_biaxial(progress: Progress) -> list[Comparison]:
 
 def _compared(sample: Sample, progress: Progress) -> list[Comparison]:
     runs = [(rolling_friction, seed) for rolling_friction in (0.0, _ROLLING_FRICTION) for seed in _SEEDS]
-    found = {}
+    found = []
     for part, run in enumerate(runs):
-        found[run] = critical_state(sample, *run, part_of(progress, part, len(runs)))
-    free, resisting = (
-        float(np.mean([found[rolling_friction, seed].sine for seed in _SEEDS]))
-        for rolling_friction in (0.0, _ROLLING_FRICTION)
-    )
+        found.append(critical_state(sample, *run, part_of(progress, part, len(runs))))
+    return compare_critical_states(sample, found[: len(_SEEDS)], found[len(_SEEDS) :])
+
+
+def compare_critical_states(
+    sample: Sample, free: list["CriticalState"], resisting: list["CriticalState"]
+) -> list[Comparison]:
+    """Critical states, one a seed, of grains that roll freely and of such that resist rolling."""
+    sine, raised = (float(np.mean([state.sine for state in states])) for states in (free, resisting))
     return [
         compare(
             "confining pressure kept, Pa",
             reference=PRESSURE,
-            measured=float(np.mean([state.confining for state in found.values()])),
+            measured=float(np.mean([state.confining for state in (*free, *resisting)])),
             limit=0.01,
             source="prescribed",
         ),
         compare(
             "sine of the critical-state friction angle, no rolling friction",
             reference=read_published("critical_state")[sample.published].value,
-            measured=free,
+            measured=sine,
             limit=0.2,
             source=sample.source,
         ),
@@ -111,7 +115,7 @@ def _compared(sample: Sample, progress: Progress) -> list[Comparison]:
             f"that sine at rolling friction {_ROLLING_FRICTION} / at none",
             low=1.1,
             high=2.0,
-            measured=resisting / free,
+            measured=raised / sine,
             source="bound of this suite, compare Estrada et al., Phys. Rev. E 78 (2008) 021301",
         ),
     ]

@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 
 from synth.dem import relative_density
-from synth.dem.grains import Grains
-from synth.dem.packing import bond_orientational_order, solid_fraction, void_ratio
+from synth.dem.grains import Grains, Spheres
+from synth.dem.packing import bond_orientational_order, slab_solid_fraction, solid_fraction, void_ratio
 from synth.dem.relative_density import DIAMETER, settled_sample
 from synth.devices import start_taichi
 from synth.soil import GrainContact
@@ -28,6 +28,13 @@ def hexagons(rows, columns):
 def test_a_disc_that_a_side_cuts_counts_by_what_is_inside(x, share):
     found = solid_fraction(discs([x], [5.0], 1.0), left=0.0, right=10.0, bottom=0.0, top=10.0)
     assert found == pytest.approx(share * np.pi / 100, abs=1e-7)
+
+
+@pytest.mark.parametrize(("x", "share"), [(0.0, 0.5), (1.0, 1.0), (-1.0, 0.0), (-0.5, 0.15625)])
+def test_a_sphere_that_a_side_cuts_counts_by_what_is_inside(x, share):
+    sphere = Spheres.at_rest(np.array([[x], [1.0], [5.0]]), np.array([1.0]), 1.0)
+    found = slab_solid_fraction(sphere, left=0.0, right=10.0, bottom=0.0, top=10.0, thickness=2.0)
+    assert found == pytest.approx(share * 4 / 3 * np.pi / 200, rel=1e-12)
 
 
 def test_a_hexagonal_packing_fills_what_it_should():
