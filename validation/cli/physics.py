@@ -12,10 +12,17 @@ from validation.terminal import Terminal
 
 @app.command()
 def verify(
-    name: Annotated[Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver.")],
+    name: Annotated[
+        Literal["dem"], typer.Argument(metavar="NAME", help="dem: the grain solver, discs and spheres.")
+    ],
     case: Annotated[
         list[str] | None,
-        typer.Option("--case", metavar="CASE", help="Only this one; may repeat.", show_default=False),
+        typer.Option(
+            "--case",
+            metavar="CASE",
+            help="Only this one; may repeat. One that is not there names them all.",
+            show_default=False,
+        ),
     ] = None,
     quick: Annotated[bool, typer.Option("--quick", help="Only the cases that take seconds.")] = False,
     threads: Threads = None,

@@ -66,8 +66,8 @@ DISCS = Sample(
     "da Cruz et al., Phys. Rev. E 72 (2005) 021309: slow shear of discs of friction 0.4",
 )
 SLAB = Sample(
-    Box(20 * DIAMETER, thickness=5 * DIAMETER),
-    2000,
+    Box(16 * DIAMETER, thickness=5 * DIAMETER),
+    1400,
     "sphere_friction",
     "Chialvo, Sun, Sundaresan, Phys. Rev. E 85 (2012) 021305: slow shear of spheres of friction 0.5",
 )

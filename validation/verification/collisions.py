@@ -1,4 +1,6 @@
-"""Two discs, or a disc and the floor, collide: rebound, duration, overlap, gross sliding."""
+"""Two discs, or a disc and the floor, collide: rebound, duration, overlap, gross sliding, rolling impact."""
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -26,6 +28,11 @@ _HARMONIC = "closed form: half a period of the harmonic oscillator of the reduce
 _RIGID = (
     "closed form: impulses of a rigid disc, compare Chung and Ooi, Granular Matter 13 (2011) 643, tests 4-7"
 )
+_STICKING = (
+    "closed form: two oscillators without damping, compare Walton, in: Particulate Two-Phase Flow (1993) 884"
+)
+_NO_SLIDING = 1e4
+"""Coulomb coefficient."""
 
 
 def rebound_between_discs() -> list[Comparison]:
@@ -140,12 +147,48 @@ def gross_sliding() -> list[Comparison]:
     ]
 
 
+def rolling_impact() -> list[Comparison]:
+    """A disc that nothing lets slide hits the floor obliquely: it rolls off, or its rim is turned back.
+
+    The normal spring takes half a swing with the disc's mass; meanwhile the tangential one swings with a third
+    of it (1 / m + R^2 / I = 3 / m). A quarter of a swing takes away the speed at which the rim moves on the
+    floor, which is rolling; half a swing reverses it.
+    """
+    rows = []
+    for share, what in ((1 / 12, "rolls off"), (1 / 3, "is turned back")):
+        taken = (1 - np.cos(np.pi * np.sqrt(3 * share))) / 3
+        found = _after_impact(_NO_SLIDING, 1.0, velocity=(0.5, -0.2), spin=0.0, tangential_share=share)
+        for quantity, reference, measured in (
+            ("tangential", 0.5 * (1 - taken), found[0]),
+            ("rim", 0.5 * 2 * taken, -found[1]),
+        ):
+            rows.append(
+                compare(
+                    f"oblique impact of a disc that {what}: {quantity} speed, m/s",
+                    reference=reference,
+                    measured=measured,
+                    limit=0.005,
+                    source=_STICKING,
+                )
+            )
+    return rows
+
+
 def _after_impact(
-    friction: float, restitution: float, *, velocity: tuple[float, float], spin: float
+    friction: float,
+    restitution: float,
+    *,
+    velocity: tuple[float, float],
+    spin: float,
+    tangential_share: float = 0.5,
 ) -> tuple[float, float]:
-    """Tangential and rim speed of a disc after it has hit the floor, m/s."""
+    """Tangential and rim speed of a disc after it has hit the floor, m/s.
+
+    `tangential_share` is tangential stiffness / normal stiffness.
+    """
     # A hundred times stiffer, so that the overlap shortens the arm of the friction by little.
     stiff = law(restitution=restitution, wall_friction=friction, stiffness=100 * STIFFNESS)
+    stiff = replace(stiff, tangential_stiffness=tangential_share * stiff.normal_stiffness)
     grains = discs_at([[0.5], [1.001 * RADIUS]], velocity=np.array([velocity]).T, spin=spin)
     solver = solver_of(grains, stiff, steps_per_contact=FINE)
     advance_for(solver, 0.001 * RADIUS / abs(velocity[1]) + 0.4 * _CONTACT_TIME)

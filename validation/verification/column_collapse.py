@@ -86,7 +86,7 @@ DISCS = Collapse(
 """As rough as Staron's and Hinch's."""
 SLAB = Collapse(
     thickness=4 * DIAMETER,
-    count=2400,
+    count=1800,
     low=(0.5, 1.0, 1.8),
     high=(3.0, 6.0, 10.0),
     friction=0.5,

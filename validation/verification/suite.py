@@ -17,6 +17,7 @@ from validation.verification.collisions import (
     gross_sliding,
     rebound_between_discs,
     rebound_from_floor,
+    rolling_impact,
 )
 from validation.verification.column_collapse import column_collapse, sphere_column_collapse
 from validation.verification.comparison import Comparison, Progress
@@ -48,6 +49,7 @@ FAST: dict[str, Callable[[], list[Comparison]]] = {
     "floor-rebound": rebound_from_floor,
     "elastic-contact": elastic_contact,
     "gross-sliding": gross_sliding,
+    "rolling-impact": rolling_impact,
     "block-on-incline": block_on_incline,
     "disc-on-incline": disc_on_incline,
     "sliding-to-rolling": sliding_to_rolling,
