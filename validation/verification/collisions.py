@@ -150,9 +150,9 @@ def gross_sliding() -> list[Comparison]:
 def rolling_impact() -> list[Comparison]:
     """A disc that nothing lets slide hits the floor obliquely: it rolls off, or its rim is turned back.
 
-    The normal spring takes half a swing with the disc's mass; meanwhile the tangential one swings with a third
-    of it (1 / m + R^2 / I = 3 / m). A quarter of a swing takes away the speed at which the rim moves on the
-    floor, which is rolling; half a swing reverses it.
+    The normal spring takes half a swing with the disc's mass; meanwhile the tangential one swings with a
+    third of it (1 / m + R^2 / I = 3 / m). A quarter of a swing takes away the speed at which the rim moves on
+    the floor, which is rolling; half a swing reverses it.
     """
     rows = []
     for share, what in ((1 / 12, "rolls off"), (1 / 3, "is turned back")):
