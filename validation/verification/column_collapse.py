@@ -13,7 +13,7 @@ from synth.scene import GRAVITY
 from validation.published import read_published
 from validation.verification.comparison import Comparison, Progress, compare
 from validation.verification.discs import DENSITY, advance_for, law
-from validation.verification.packing import DIAMETER, Box, moved
+from validation.verification.packing import DIAMETER, FALLING_SKIN, Box, moved
 
 _DURATION = 3.5
 """Time until the heap is measured / free fall from the column's height."""
@@ -152,7 +152,7 @@ def run_out(collapse: Collapse, aspect_ratio: float, *, seed: int = 7) -> float:
     room = half_width * (1 + 6 * aspect_ratio)
     column = moved(column, x=room - (left + right) / 2)
     fall = float(np.sqrt(2 * height / GRAVITY))
-    solver = collapse.box(2 * room).solver(column, collapse.law(height))
+    solver = collapse.box(2 * room).solver(column, collapse.law(height), skin=FALLING_SKIN)
     advance_for(solver, _DURATION * fall)
     after = solver.read_grains()
     left, right = _extent(after, heap(after))

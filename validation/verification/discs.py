@@ -7,7 +7,7 @@ from numpy.typing import ArrayLike
 
 from synth.dem.contact_law import ContactLaw, Law, damping_ratio_of, time_step_of
 from synth.dem.grains import Grains
-from synth.dem.solver import Solver
+from synth.dem.solver import SKIN, Solver
 from synth.dem.tool import Tool
 
 RADIUS = 1e-3
@@ -74,11 +74,20 @@ def solver_of(
     steps_per_contact: int = FINE,
     drag: float = 0.0,
     tool: Tool | None = None,
+    skin: float = SKIN,
 ) -> Solver:
     """A solver that resolves the shortest collision in so many steps."""
     step = time_step_of(grains, contact_law, steps_per_contact)
     return Solver(
-        grains, contact_law, width, step, gravity=gravity, drag=drag, tool=tool, thickness=thickness
+        grains,
+        contact_law,
+        width,
+        step,
+        gravity=gravity,
+        drag=drag,
+        tool=tool,
+        thickness=thickness,
+        skin=skin,
     )
 
 

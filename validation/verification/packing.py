@@ -7,7 +7,7 @@ import numpy as np
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains, Spheres
 from synth.dem.packing import slab_solid_fraction, solid_fraction, void_ratio
-from synth.dem.solver import Solver
+from synth.dem.solver import SKIN, Solver
 from synth.dem.tool import Tool
 from synth.scene import GRAVITY
 from validation.verification.discs import DEFAULT, DENSITY, advance_for, solver_of
@@ -21,6 +21,8 @@ _DRAG = 100.0
 """Rate at which motion dies away while the last of it is taken out, 1/s."""
 _REST = 0.06
 """Time for that, s."""
+FALLING_SKIN = 0.4
+"""Of neighbour lists / mean grain diameter: grains that fall are soon somewhere else."""
 
 
 @dataclass(frozen=True)
@@ -104,8 +106,9 @@ class Box:
         gravity: float = GRAVITY,
         drag: float = 0.0,
         tool: Tool | None = None,
+        skin: float = SKIN,
     ) -> Solver:
-        """Grains in the box, at the time step of the shipped scenes."""
+        """Grains in the box, at the time step of the shipped scenes; `skin` as of `Solver`."""
         return solver_of(
             grains,
             law,
@@ -115,6 +118,7 @@ class Box:
             steps_per_contact=DEFAULT,
             drag=drag,
             tool=tool,
+            skin=skin,
         )
 
     def void_ratio(self, grains: Grains, *, left: float, right: float, bottom: float, top: float) -> float:
@@ -127,7 +131,7 @@ class Box:
     def settled(self, count: int, law: ContactLaw, *, seed: int) -> Grains:
         """Grains poured between the end walls and at rest under gravity."""
         falling = self.lattice(count, seed=seed)
-        solver = self.solver(falling, law)
+        solver = self.solver(falling, law, skin=FALLING_SKIN)
         advance_for(solver, self.time_to_fall(falling))
         solver = self.solver(solver.read_grains(), law, drag=_DRAG)
         advance_for(solver, _REST)

@@ -10,7 +10,7 @@ from synth.implements import Shape
 from validation.published import read_published
 from validation.verification.comparison import Comparison, Progress, compare, compare_with_bounds
 from validation.verification.discs import advance_for, law
-from validation.verification.packing import DIAMETER, Box, moved
+from validation.verification.packing import DIAMETER, FALLING_SKIN, Box, moved
 
 _ROLLING_FRICTIONS = (0.0, 0.1, 0.3)
 _SOURCE = "bound of this suite: discs in two dimensions, compare Lee and Herrmann, J. Phys. A 26 (1993) 373"
@@ -125,7 +125,7 @@ def run_off(ledge: Ledge, rolling_friction: float, *, seed: int) -> Grains:
     )
     bed = ledge.bed.settled(ledge.count, rough, seed=seed)
     room = replace(ledge.bed, width=ledge.bed.width + ledge.pit)
-    solver = room.solver(moved(bed, z=ledge.drop), rough, tool=_shelf(ledge))
+    solver = room.solver(moved(bed, z=ledge.drop), rough, tool=_shelf(ledge), skin=FALLING_SKIN)
     advance_for(solver, ledge.time)
     return solver.read_grains()
 
