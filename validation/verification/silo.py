@@ -159,13 +159,7 @@ def compare_with_janssen(silo: Silo, stresses: Stresses) -> list[Comparison]:
             limit=0.08,
             source=_JANSSEN,
         ),
-        compare(
-            "stress on the floor against the profile from K and mobilised friction, Pa",
-            reference=float(_janssen_stress(np.array(full), unfitted)),
-            measured=stresses.base,
-            limit=0.15,
-            source=_JANSSEN,
-        ),
+        _floor(silo, stresses, float(_janssen_stress(np.array(full), unfitted))),
         compare_with_bounds(
             "stress on the floor / hydrostatic",
             low=0.0,
@@ -175,6 +169,24 @@ def compare_with_janssen(silo: Silo, stresses: Stresses) -> list[Comparison]:
         ),
     ]
     return [row.headed(silo.kind) for row in rows]
+
+
+def _floor(silo: Silo, stresses: Stresses, expected: float) -> Comparison:
+    """Stress on the floor beside the profile's end.
+
+    Soil that goes down with the floor rubs the walls less, for about as far up as the narrowest way across
+    (after Saint-Venant). Between panes that rub this is much of the depth that saturation takes.
+    """
+    quantity = "stress on the floor against the profile from K and mobilised friction, Pa"
+    if not silo.glass_friction:
+        return compare(quantity, reference=expected, measured=stresses.base, limit=0.15, source=_JANSSEN)
+    return compare_with_bounds(
+        quantity,
+        low=expected,
+        high=expected + stresses.bulk_weight * silo.box.depth,
+        measured=stresses.base,
+        source=f"{_JANSSEN}; and up to the weight of soil as high as the slab is thick",
+    )
 
 
 def _friction_mobilised(stresses: Stresses) -> list[Comparison]:
