@@ -32,7 +32,7 @@ class Collapse:
     thickness : float or None
         Of a slab of spheres between smooth panes of glass, m.
     count : int
-        Grains in a column.
+        Grains that are poured for a column.
     low, high : tuple of float
         Height / half width of columns below and above the change of regime.
     friction, rolling_friction : float
@@ -198,11 +198,15 @@ def _end(places: np.ndarray, thickness: np.ndarray) -> float:
 
 
 def _column(collapse: Collapse, aspect_ratio: float, seed: int) -> Grains:
-    """A column at rest; a tall one is settled lying, which is quick, and then set up."""
+    """A column at rest; a tall one is settled lying, which is quick, and then set up.
+
+    Grains that stand out of it are taken off, so that it has the ratio asked for, however dense they are.
+    """
     half_width = collapse.half_width(aspect_ratio)
     width, height = 2 * half_width, aspect_ratio * half_width
-    box = collapse.box(max(width, height))
-    bed = box.settled(collapse.count, collapse.law(min(width, height)), seed=seed)
+    box, depth = collapse.box(max(width, height)), min(width, height)
+    bed = box.settled(collapse.count, collapse.law(depth), seed=seed)
+    bed = bed.only(bed.position[-1] + bed.radius <= depth)
     if height <= width:
         return bed
     upright = replace(bed, position=bed.position[::-1])
