@@ -19,8 +19,6 @@ _DURATION = 3.5
 """Time until the heap is measured / free fall from the column's height."""
 _TOUCH = 0.5 * DIAMETER
 """Gap across which grains still belong to the heap, m."""
-_STRETCH = 3 * DIAMETER
-"""Of the bin, over which the depth of a deposit is averaged, m."""
 
 
 @dataclass(frozen=True)
@@ -37,9 +35,6 @@ class Collapse:
         Height / half width of columns below and above the change of regime.
     friction, rolling_friction : float
         Of grains, floor and each other; friction on the floor is the same.
-    thick_front : bool
-        A heap ends where it is one grain thick, as the eye sees it in a laboratory, whose columns are
-        hundreds of grains long; else where grains no longer hang together, as in simulations of few grains.
     published : str
         Table in `reference`.
     source : str
@@ -51,7 +46,6 @@ class Collapse:
     high: tuple[float, ...]
     friction: float
     rolling_friction: float
-    thick_front: bool
     published: str
     source: str
 
@@ -86,7 +80,6 @@ DISCS = Collapse(
     high=(3.0, 6.0, 12.0),
     friction=1.0,
     rolling_friction=0.0,
-    thick_front=False,
     published="column_collapse",
     source="Staron and Hinch, J. Fluid Mech. 545 (2005) 1; Lube et al., Phys. Rev. E 72 (2005) 041301",
 )
@@ -98,7 +91,6 @@ SLAB = Collapse(
     high=(3.0, 6.0, 10.0),
     friction=0.5,
     rolling_friction=0.2,
-    thick_front=True,
     published="channel_collapse",
     source="Lube, Huppert, Sparks, Freundt, Phys. Rev. E 72 (2005) 041301: sand and more in a channel",
 )
@@ -163,7 +155,7 @@ def run_out(collapse: Collapse, aspect_ratio: float, *, seed: int = 7) -> float:
     solver = collapse.box(2 * room).solver(column, collapse.law(height), skin=FALLING_SKIN)
     advance_for(solver, _DURATION * fall)
     after = solver.read_grains()
-    left, right = thick_extent(collapse, after) if collapse.thick_front else _extent(after, heap(after))
+    left, right = _extent(after, heap(after))
     return float((right - left) / 2 / half_width) - 1
 
 
@@ -176,25 +168,6 @@ def heap(grains: Grains) -> np.ndarray:
     graph = coo_array((np.ones(near.sum()), (i[near], j[near])), shape=(grains.count, grains.count))
     _, label = connected_components(graph, directed=False)
     return np.asarray(label == np.bincount(label).argmax())
-
-
-def thick_extent(collapse: Collapse, grains: Grains) -> tuple[float, float]:
-    """Where a deposit is one grain thick, to the left and to the right of where it is thickest, m."""
-    x, box = grains.position[0], collapse.box(1.0)
-    edges = np.arange(x.min() - _STRETCH, x.max() + 2 * _STRETCH, _STRETCH)
-    filled, _ = np.histogram(x, edges, weights=grains.volume)
-    thickness = filled / (box.solid_fraction * box.depth * _STRETCH)
-    centres, peak = edges[:-1] + _STRETCH / 2, int(thickness.argmax())
-    left = _end(centres[peak::-1], thickness[peak::-1])
-    return left, _end(centres[peak:], thickness[peak:])
-
-
-def _end(places: np.ndarray, thickness: np.ndarray) -> float:
-    """First place, going outwards, where a deposit is no thicker than a grain, m."""
-    beyond = int((thickness < DIAMETER).argmax())
-    near, far = thickness[beyond - 1], thickness[beyond]
-    share = (near - DIAMETER) / (near - far)
-    return float(places[beyond - 1] + share * (places[beyond] - places[beyond - 1]))
 
 
 def _column(collapse: Collapse, aspect_ratio: float, seed: int) -> Grains:

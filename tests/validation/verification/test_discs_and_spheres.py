@@ -85,7 +85,7 @@ def stresses_after_janssen(one, *, ratio=0.6, friction=0.3, bulk_weight=12e3):
         dict.fromkeys(one.walls, pressure),
         dict.fromkeys(one.walls, friction * pressure),
         middle,
-        1.05 * float(vertical[0]),  # within what end effects at the floor may add
+        float(vertical[0]),
         bulk_weight,
     )
 
@@ -114,20 +114,6 @@ def test_glass_that_carries_counts_in_the_silo():
         shear={name: rough.shear[name] for name in names},
     )
     assert any("S, fitted" in name for name in failed(silo.compare_with_janssen(silo.SLAB, without_glass)))
-
-
-def test_a_deposit_ends_where_it_is_one_grain_thick():
-    """A wedge, sixteen grains high in the middle and forty long on either side, with a grain far away."""
-    rng = np.random.default_rng(2)
-    collapse, length, height = column_collapse.SLAB, 40 * DIAMETER, 16 * DIAMETER
-    count = round(length * height * collapse.thickness * 0.6 / (np.pi / 6 * DIAMETER**3))
-    x = 0.2 + length * (1 - np.sqrt(rng.uniform(size=count))) * rng.choice([-1, 1], count)
-    places = np.stack([np.append(x, 0.5), np.zeros(count + 1), np.zeros(count + 1)])
-    grains = Spheres.at_rest(places, np.full(count + 1, DIAMETER / 2), 1.0)
-    left, right = column_collapse.thick_extent(collapse, grains)
-    expected = length * (1 - DIAMETER / height)
-    assert 0.2 - left == pytest.approx(expected, rel=0.05)
-    assert right - 0.2 == pytest.approx(expected, rel=0.05)
 
 
 def power_law(collapse, factor, exponent):
