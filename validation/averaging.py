@@ -15,7 +15,7 @@ from soft.doubling_blocks import DoublingBlocks
 if TYPE_CHECKING:
     import xarray as xr
 
-    from synth import Footage
+    from validation.truth_pass import TruePair
 
 _NEEDED = ("inertial_u", "inertial_v", "valid", "soil")
 
@@ -65,15 +65,21 @@ class AveragingScore:
         )
 
 
-class _BlockErrors:
-    """Sums of errors in blocks of 1, 2, 4, ... pairs."""
+class AveragingTally:
+    """Sums of one method's errors in blocks of 1, 2, 4, ... pairs."""
 
     def __init__(self) -> None:
         self._blocks: DoublingBlocks[np.ndarray] = DoublingBlocks()
         self._squares: list[np.ndarray] = []
 
-    def add(self, error: np.ndarray) -> None:
-        """Add the error (2, H, W) of a pair, NaN where not measured or not known."""
+    @staticmethod
+    def suits(flow: "xr.Dataset") -> bool:
+        """Whether a method tells inertial motion, at the same pixels in all pairs: a grid's nodes move."""
+        return set(_NEEDED) <= set(flow.data_vars) and "node_x" not in flow
+
+    def add(self, pair: "TruePair", flow: "xr.Dataset") -> None:
+        """Add one pair of a SoilFlow, over `y, x`; what is not measured or not known counts in no mean."""
+        error = _measured_motion(flow) - pair.motion
         known = np.isfinite(error).all(axis=0)
         # Both components' sums, and of how many pairs: (3, H, W).
         block = np.concatenate([np.where(known, error, 0.0), known[np.newaxis]], dtype=np.float64)
@@ -83,6 +89,7 @@ class _BlockErrors:
             self._squares[level] += _mean_square(completed[:2], completed[2], 2**level)
 
     def result(self) -> AveragingScore | None:
+        """Over all pairs added; None if nothing was measured."""
         told = [(2**k, (total / count) ** 0.5) for k, (total, count) in enumerate(self._squares) if count]
         if not told:
             return None
@@ -96,44 +103,7 @@ def _mean_square(total: np.ndarray, count: np.ndarray, length: int) -> np.ndarra
     return np.array([np.square(total[:, whole] / length).sum(), whole.sum()])
 
 
-def score_averaging(
-    footage: "Footage", flows: Mapping[str, "xr.Dataset"]
-) -> dict[str, AveragingScore | None]:
-    """Tell the error of means over pairs, for every method; None where a method tells no inertial motion.
-
-    Parameters
-    ----------
-    footage : synth.Footage
-        Pictures and truth.
-    flows : mapping
-        A SoilFlow of these pictures for each method's name. Grids are left out: their nodes move.
-    """
-    tallies = {
-        name: _BlockErrors()
-        for name, flow in flows.items()
-        if set(_NEEDED) <= set(flow.data_vars) and "node_x" not in flow
-    }
-    for pair in range(footage.pair_count if tallies else 0):
-        true = _true_motion(footage.truth(pair))
-        for name, tally in tallies.items():
-            tally.add(_measured_motion(flows[name].isel(pair=pair)) - true)
-    return {name: tallies[name].result() if name in tallies else None for name in flows}
-
-
-def _true_motion(truth: "xr.Dataset") -> np.ndarray:
-    """Inertial displacement (2, H, W) of true soil, NaN elsewhere."""
-    from validation.strata import camera_displacement
-
-    part = truth[
-        [name for name in ("u", "v", "soil", "valid", "camera_u", "camera_v") if name in truth]
-    ].load()
-    soil = part["soil"].values.astype(bool) & part["valid"].values.astype(bool)
-    camera = camera_displacement(part, soil), float(part["camera_v"]) if "camera_v" in part else 0.0
-    motion = np.stack([part["u"].values - camera[0], part["v"].values - camera[1]])
-    return np.where(soil, motion, np.nan)
-
-
 def _measured_motion(flow: "xr.Dataset") -> np.ndarray:
-    part = flow[list(_NEEDED)].load()
-    known = part["valid"].values.astype(bool) & part["soil"].values.astype(bool)
-    return np.where(known, np.stack([part["inertial_u"].values, part["inertial_v"].values]), np.nan)
+    """Inertial displacement (2, H, W) of measured soil, NaN elsewhere."""
+    known = flow["valid"].values.astype(bool) & flow["soil"].values.astype(bool)
+    return np.where(known, np.stack([flow["inertial_u"].values, flow["inertial_v"].values]), np.nan)

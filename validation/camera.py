@@ -4,13 +4,15 @@ What is off has two parts: errors of the measured flow, and soil in view that do
 apart by finding the camera's motion in the true displacement, too, in the same way.
 """
 
-from dataclasses import asdict, dataclass
-from typing import TYPE_CHECKING, Any
+from dataclasses import asdict, dataclass, field
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from validation.truth_pass import TruePair
 
 PUBLISHED_RANGE = 0.34
 """px a frame: 95 % range of the camera's motion over 50 pairs (Skonieczny et al. 2014, section 3.1.2).
@@ -77,66 +79,58 @@ class CameraScore:
         )
 
 
-def score_camera(flow: "xr.Dataset", truth: "xr.Dataset") -> CameraScore | None:
-    """Compare the camera's motion in a SoilFlow with the truth about the same pairs.
+@dataclass
+class CameraTally:
+    """The camera's motion by one method, pair by pair.
 
-    Parameters
+    Attributes
     ----------
-    flow : xarray.Dataset
-        A SoilFlow.
-    truth : xarray.Dataset
-        Over `pair`: `camera_u`, px; over `pair, y, x`: `u`, `v` (px), `soil`, `valid`.
-
-    Returns
-    -------
-    CameraScore or None
-        None where the truth does not tell the camera's motion.
+    camera : str
+        How it was found, as `soft.to_inertial` has it.
     """
-    if "camera_u" not in truth:
-        return None
-    true = truth["camera_u"].values.astype(np.float64)
-    measured = flow["camera_u"].values.astype(np.float64)
-    known = np.isfinite(measured) & np.isfinite(true)
-    error = (measured - true)[known]
-    by_soil = _from_true_flow(truth, _choice(flow))
-    return CameraScore(
-        pair_count=error.size,
-        bias_u=float(error.mean()) if error.size else None,
-        range_u=_range(error),
-        largest_u=float(np.abs(error).max()) if error.size else None,
-        measured_range_u=_range(measured[known]),
-        true_range_u=_range(true[known]),
-        covered=_covered(flow, true),
-        flow_range_u=_range((measured - by_soil)[known]),
-        soil_range_u=_range((by_soil - true)[known]),
-    )
 
+    camera: str
+    _rows: list[tuple[float, ...]] = field(default_factory=list)
 
-def _choice(flow: "xr.Dataset") -> str:
-    """How the camera's motion was found: the first word of what the analysis says of it."""
-    return str(flow.attrs.get("camera", "median")).split()[0]
+    @classmethod
+    def of(cls, flow: "xr.Dataset") -> Self:
+        """For a SoilFlow: how it was found is the first word of what the analysis says of it."""
+        return cls(str(flow.attrs.get("camera", "median")).split()[0])
 
+    def add(self, pair: "TruePair", flow: "xr.Dataset") -> None:
+        """Add one pair, unless the truth does not tell the camera's motion, or the method none."""
+        if "camera_u" not in pair.data or "camera_u" not in flow:
+            return
+        low, high = (
+            float(flow[name]) if name in flow else np.nan for name in ("camera_u_low", "camera_u_high")
+        )
+        by_soil = pair.camera_by_soil(self.camera)
+        self._rows.append((pair.camera[0], float(flow["camera_u"]), low, high, by_soil))
 
-def _from_true_flow(truth: "xr.Dataset", camera: str) -> np.ndarray:
-    """The camera's motion as the true displacement of soil gives it, (pair,) px."""
-    from soft import to_inertial
-
-    found = np.empty(truth.sizes["pair"])
-    for k in range(len(found)):
-        pair = truth[["u", "v", "soil", "valid"]].isel(pair=k).load()
-        displacement = np.stack([pair["u"].values, pair["v"].values], axis=2)
-        soil = pair["soil"].values & pair["valid"].values
-        found[k] = to_inertial(displacement, soil, camera=camera).camera_u
-    return found
+    def result(self) -> CameraScore | None:
+        """Over all pairs added; None if there were none."""
+        if not self._rows:
+            return None
+        true, measured, low, high, by_soil = np.array(self._rows).T
+        known = np.isfinite(measured) & np.isfinite(true)
+        error = (measured - true)[known]
+        return CameraScore(
+            pair_count=error.size,
+            bias_u=float(error.mean()) if error.size else None,
+            range_u=_range(error),
+            largest_u=float(np.abs(error).max()) if error.size else None,
+            measured_range_u=_range(measured[known]),
+            true_range_u=_range(true[known]),
+            covered=_covered(low, high, true),
+            flow_range_u=_range((measured - by_soil)[known]),
+            soil_range_u=_range((by_soil - true)[known]),
+        )
 
 
 def _range(values: np.ndarray) -> float | None:
     return _NORMAL_95 * float(values.std(ddof=1)) if values.size > 1 else None
 
 
-def _covered(flow: "xr.Dataset", true: np.ndarray) -> float | None:
-    if "camera_u_low" not in flow:
-        return None
-    low, high = flow["camera_u_low"].values, flow["camera_u_high"].values
+def _covered(low: np.ndarray, high: np.ndarray, true: np.ndarray) -> float | None:
     told = np.isfinite(low) & np.isfinite(high) & np.isfinite(true)
     return float(((low <= true) & (true <= high))[told].mean()) if told.any() else None

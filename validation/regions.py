@@ -5,7 +5,7 @@ true speeds: what remains is the measurement's doing. And to the line of greates
 clustering itself is off by, when its line is taken for the place where soil shears.
 """
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -13,12 +13,12 @@ import numpy as np
 
 from validation.line_distance import distances, points_along
 from validation.shear_line import shear_line
-from validation.strata import find_strata
+from validation.strata import Strata
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from synth import Footage
+    from validation.truth_pass import TruePair
 
 _NEEDED_OF_FLOW = ("u", "v", "inertial_u", "inertial_v", "valid", "soil", "moving")
 
@@ -99,8 +99,8 @@ class TrueRegions:
 
 
 @dataclass
-class _Tally:
-    """Sums and distances of one method."""
+class RegionTally:
+    """Sums and distances of one method, pair by pair."""
 
     soil: np.ndarray = field(default_factory=lambda: np.zeros(2, np.int64))
     moving: np.ndarray = field(default_factory=lambda: np.zeros(2, np.int64))
@@ -111,8 +111,14 @@ class _Tally:
     to_shear: list[np.ndarray] = field(default_factory=list)
     to_shear_true: list[np.ndarray] = field(default_factory=list)
 
-    def add(self, true: TrueRegions, flow: "xr.Dataset") -> None:
-        """Add one pair of a SoilFlow."""
+    @staticmethod
+    def suits(flow: "xr.Dataset") -> bool:
+        """Whether a method tells masks at all."""
+        return set(_NEEDED_OF_FLOW) <= set(flow.data_vars)
+
+    def add(self, pair: "TruePair", flow: "xr.Dataset") -> None:
+        """Add one pair of a SoilFlow, over `y, x`."""
+        true = pair.regions
         soil = flow["soil"].values.astype(bool)
         self.soil += [(soil & true.soil).sum(), (soil | true.soil).sum()]
         if "node_x" in flow:  # between a grid's nodes there is no boundary to find
@@ -136,6 +142,7 @@ class _Tally:
             self.counts["false"] += 1
 
     def result(self) -> RegionScore:
+        """Over all pairs added."""
         both_ways = _mean_and_p95(self.to_true + self.from_true)
         one_way, by_true_camera, shear, shear_true = (
             _mean_and_p95(parts)
@@ -160,46 +167,20 @@ class _Tally:
         )
 
 
-def score_regions(
-    footage: "Footage",
-    flows: Mapping[str, "xr.Dataset"],
-    *,
-    progress: Callable[[int, int], None] | None = None,
-) -> dict[str, RegionScore | None]:
-    """Score every method's soil mask, moving region and shear interface, over all picture pairs.
-
-    Parameters
-    ----------
-    footage : synth.Footage
-        Pictures and truth.
-    flows : mapping
-        A SoilFlow of these pictures for each method's name. One without masks gets None.
-    progress : callable, optional
-        Called with pairs done and pairs in all.
-    """
-    tallies = {name: _Tally() for name, flow in flows.items() if set(_NEEDED_OF_FLOW) <= set(flow.data_vars)}
-    for pair in range(footage.pair_count):
-        true = true_regions(footage.truth(pair).load())
-        for name, tally in tallies.items():
-            tally.add(true, flows[name].isel(pair=pair).load())
-        if progress:
-            progress(pair + 1, footage.pair_count)
-    return {name: tallies[name].result() if name in tallies else None for name in flows}
-
-
-def true_regions(truth: "xr.Dataset") -> TrueRegions:
+def true_regions(truth: "xr.Dataset", strata: Strata) -> TrueRegions:
     """Find regions and lines of one picture pair in its truth.
 
     Parameters
     ----------
     truth : xarray.Dataset
         Over `y, x`, as of `synth.Footage.truth`.
+    strata : Strata
+        Its own.
     """
     from soft import moving_mask
     from soft.shear_interface import shear_interface
 
     soil = truth["soil"].values.astype(bool)
-    strata = find_strata(truth)
     camera_v = float(truth["camera_v"]) if "camera_v" in truth else 0.0
     speed = np.hypot(truth["u"].values - strata.camera_u, truth["v"].values - camera_v)
     speed = np.where(strata.masks["all"], speed, np.nan)

@@ -13,7 +13,8 @@ from validation.camera import CameraScore
 from validation.metrics import ErrorSummary, ErrorTally
 from validation.nodes import difference_at, has_node, stacked
 from validation.regions import RegionScore
-from validation.strata import STRATA, find_strata
+from validation.strata import STRATA
+from validation.truth_pass import TruePair, pass_over
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -140,26 +141,60 @@ def score_flows(
     ScoreError
         A flow is not of this footage: another size, other pairs.
     """
-    truth_shape = _shape_of(footage)
-    for name, flow in flows.items():
-        require_match(name, flow, shape=truth_shape, pair_count=footage.pair_count)
-    # Strata overlap; the combinations of them do not: each pixel's error is kept once.
-    tallies: dict[str, dict[int, ErrorTally]] = {name: {} for name in flows}
-    for pair in range(footage.pair_count):
-        truth = footage.truth(pair).load()
-        codes = _membership(find_strata(truth).masks)
-        for name, flow in flows.items():
-            _add_pair(tallies[name], codes, truth, flow.isel(pair=pair))
-        if progress:
-            progress(pair + 1, footage.pair_count)
-    return {name: _summaries(parts) for name, parts in tallies.items()}
+    require_all_match(footage, flows)
+    tallies = {name: StratumTally() for name in flows}
+    pass_over(footage, flows, {name: [tally] for name, tally in tallies.items()}, progress=progress)
+    return {name: tally.result() for name, tally in tallies.items()}
 
 
 def score_pair(truth: "xr.Dataset", flow: "xr.Dataset") -> dict[str, ErrorSummary]:
     """Errors of one method in every stratum of one picture pair; both data sets over `y, x`."""
-    parts: dict[int, ErrorTally] = {}
-    _add_pair(parts, _membership(find_strata(truth).masks), truth, flow)
-    return _summaries(parts)
+    tally = StratumTally()
+    tally.add(TruePair(truth), flow)
+    return tally.result()
+
+
+class StratumTally:
+    """Errors of one method in every stratum, pair by pair."""
+
+    def __init__(self) -> None:
+        # Strata overlap; the combinations of them do not: each pixel's error is kept once.
+        self._parts: dict[int, ErrorTally] = {}
+
+    def add(self, true: TruePair, flow: "xr.Dataset") -> None:
+        """Add one pair of a SoilFlow, over `y, x`."""
+        codes = _membership(true.strata.masks)
+        nodes = stacked(flow, "node_x", "node_y") if "node_x" in flow else None
+        difference = difference_at(stacked(flow, "u", "v"), stacked(true.data, "u", "v"), nodes)
+        if "valid" in flow:
+            difference[~flow["valid"].values.astype(bool)] = np.nan
+        told = None if nodes is None else has_node(nodes)
+        for code in np.unique(codes[codes > 0]):
+            here = codes == code
+            node_count = None if told is None else int(np.count_nonzero(told & here))
+            self._parts.setdefault(int(code), ErrorTally()).add(*difference[here].T, node_count=node_count)
+
+    def result(self) -> dict[str, ErrorSummary]:
+        """A summary for every name of `STRATA`."""
+        return {
+            name: ErrorTally.summary(
+                [tally for code, tally in sorted(self._parts.items()) if code >> bit & 1]
+            )
+            for bit, name in enumerate(STRATA)
+        }
+
+
+def require_all_match(footage: "Footage", flows: "Mapping[str, xr.Dataset]") -> None:
+    """Refuse flows that are not of this footage.
+
+    Raises
+    ------
+    ScoreError
+        One has another size, or other pairs.
+    """
+    sizes = footage.truth(0).sizes
+    for name, flow in flows.items():
+        require_match(name, flow, shape=(sizes["y"], sizes["x"]), pair_count=footage.pair_count)
 
 
 def require_match(name: str, flow: "xr.Dataset", *, shape: tuple[int, int], pair_count: int) -> None:
@@ -180,35 +215,9 @@ def require_match(name: str, flow: "xr.Dataset", *, shape: tuple[int, int], pair
             raise ScoreError(f"analysis of {name}: its pairs are not the footage's consecutive ones")
 
 
-def _shape_of(footage: "Footage") -> tuple[int, int]:
-    sizes = footage.truth(0).sizes
-    return sizes["y"], sizes["x"]
-
-
 def _membership(masks: dict[str, np.ndarray]) -> np.ndarray:
     """Bit k is set where a pixel belongs to the k-th stratum; (H, W) uint8, 0 where it belongs to none."""
     codes = np.zeros(masks[STRATA[0]].shape, np.uint8)
     for bit, name in enumerate(STRATA):
         codes |= masks[name].astype(np.uint8) << np.uint8(bit)
     return codes
-
-
-def _add_pair(
-    parts: dict[int, ErrorTally], codes: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset"
-) -> None:
-    nodes = stacked(flow, "node_x", "node_y") if "node_x" in flow else None
-    difference = difference_at(stacked(flow, "u", "v"), stacked(truth, "u", "v"), nodes)
-    if "valid" in flow:
-        difference[~flow["valid"].values.astype(bool)] = np.nan
-    told = None if nodes is None else has_node(nodes)
-    for code in np.unique(codes[codes > 0]):
-        here = codes == code
-        node_count = None if told is None else int(np.count_nonzero(told & here))
-        parts.setdefault(int(code), ErrorTally()).add(*difference[here].T, node_count=node_count)
-
-
-def _summaries(parts: dict[int, ErrorTally]) -> dict[str, ErrorSummary]:
-    return {
-        name: ErrorTally.summary([tally for code, tally in sorted(parts.items()) if code >> bit & 1])
-        for bit, name in enumerate(STRATA)
-    }

@@ -7,6 +7,7 @@ import xarray as xr
 
 from synth.scene_files import scenes_folder
 from validation.cli import run_command
+from validation.truth_pass import pass_over
 
 
 def write_scene(path, source, **changes):
@@ -113,3 +114,14 @@ def make_flow():
 def make_footage():
     """Footage of these truths."""
     return _HandMadeFootage
+
+
+@pytest.fixture
+def tallied():
+    """What a tally tells of a flow, `tallied(tally, footage, flow)`."""
+
+    def tallied(tally, footage, flow):
+        pass_over(footage, {"own": flow}, {"own": [tally]})
+        return tally.result()
+
+    return tallied

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.averaging import AveragingScore, score_averaging
+from validation.averaging import AveragingScore, AveragingTally
 
 SHAPE = (40, 50)
 PAIRS = 16
@@ -29,35 +29,37 @@ def measured(error):
     return xr.Dataset({name: (dims, array) for name, array in arrays.items()})
 
 
-def test_independent_errors_fall_with_the_square_root(footage):
+def test_independent_errors_fall_with_the_square_root(footage, tallied):
     noise = np.random.default_rng(0).normal(0, 0.2, (PAIRS, 2, *SHAPE))
-    score = score_averaging(footage, {"own": measured(noise)})["own"]
+    score = tallied(AveragingTally(), footage, measured(noise))
     assert score.pair_count == (1, 2, 4, 8, 16)
     assert score.error[0] == pytest.approx(0.2 * np.sqrt(2), rel=0.02)
     assert score.gain == pytest.approx(np.sqrt(score.pair_count), rel=0.05)
 
 
-def test_an_error_that_repeats_stays(footage):
+def test_an_error_that_repeats_stays(footage, tallied):
     """Which the data alone cannot tell from signal."""
     noise = np.random.default_rng(1).normal(0, 0.2, (PAIRS, 2, *SHAPE))
-    score = score_averaging(footage, {"own": measured(noise + np.array([0.3, -0.4])[:, None, None])})["own"]
+    score = tallied(AveragingTally(), footage, measured(noise + np.array([0.3, -0.4])[:, None, None]))
     for count, error in zip(score.pair_count, score.error, strict=True):
         assert error == pytest.approx(np.sqrt(0.25 + 0.08 / count), rel=0.02)
     assert "takes the error (root mean square) from 0.57" in score.sentence
 
 
-def test_unmeasured_pixels_and_those_that_are_no_soil(footage):
+def test_unmeasured_pixels_and_those_that_are_no_soil(footage, tallied):
     flow = measured(np.zeros((PAIRS, 2, *SHAPE)))
     flow["inertial_u"][:, :5] = 99.0  # no soil there in truth
     flow["valid"][3, 10] = False
     flow["inertial_u"][3, 10] = 99.0
-    score = score_averaging(footage, {"own": flow})["own"]
+    score = tallied(AveragingTally(), footage, flow)
     assert score.error == pytest.approx(np.zeros(5), abs=1e-6)
 
 
-def test_none_without_inertial_motion(footage, make_flow):
-    flow = make_flow(np.zeros((PAIRS, *SHAPE)), np.zeros((PAIRS, *SHAPE)))
-    assert score_averaging(footage, {"own": flow}) == {"own": None}
+def test_neither_without_inertial_motion_nor_for_a_grid(make_flow):
+    assert not AveragingTally.suits(make_flow(np.zeros((PAIRS, *SHAPE)), np.zeros((PAIRS, *SHAPE))))
+    flow = measured(np.zeros((PAIRS, 2, *SHAPE)))
+    assert AveragingTally.suits(flow)
+    assert not AveragingTally.suits(flow.assign(node_x=flow["inertial_u"]))
 
 
 def test_there_and_back():

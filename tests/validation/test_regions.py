@@ -4,9 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.regions import RegionScore, score_regions, true_regions
-from validation.score import MethodScore, Scores, score_flows
+from validation.method_scores import score_methods
+from validation.regions import RegionScore, RegionTally
+from validation.score import Scores
 from validation.score_table import REGION_COLUMNS, region_cells
+from validation.truth_pass import TruePair
 
 SHAPE = (100, 140)
 Y, X = np.mgrid[: SHAPE[0], : SHAPE[1]].astype(float)
@@ -58,8 +60,8 @@ def counts_of(score):
     return score.interface_pair_count, score.interface_missed_count, score.interface_false_count
 
 
-def test_the_truth_itself_is_right(footage, measured):
-    score = score_regions(footage, {"own": measured([moving_by(60.5)] * 2)})["own"]
+def test_the_truth_itself_is_right(footage, measured, tallied):
+    score = tallied(RegionTally(), footage, measured([moving_by(60.5)] * 2))
     assert (score.soil_iou, score.moving_iou) == (1.0, 1.0)
     assert (score.interface_pair_count, score.interface_missed_count, score.interface_false_count) == (
         2,
@@ -70,26 +72,26 @@ def test_the_truth_itself_is_right(footage, measured):
     assert score.interface_symmetric_p95 == pytest.approx(0, abs=1e-6)
 
 
-def test_an_interface_that_lies_too_deep(footage, measured):
+def test_an_interface_that_lies_too_deep(footage, measured, tallied):
     """Measured 7 px deeper than it is: the distance, and the moving region's share."""
-    score = score_regions(footage, {"own": measured([moving_by(67.5)] * 2)})["own"]
+    score = tallied(RegionTally(), footage, measured([moving_by(67.5)] * 2))
     # Not quite 7: with more soil moving, the classes' middle is not at quite the same speed.
     assert score.interface_mean == pytest.approx(7, abs=0.1)
     assert score.interface_symmetric_p95 == pytest.approx(7, abs=0.1)
     assert score.moving_iou == pytest.approx(41 / 48)
 
 
-def test_the_line_of_greatest_shear_is_told_apart(footage, measured):
+def test_the_line_of_greatest_shear_is_told_apart(footage, measured, tallied):
     """Speed is half of its greatest at row 60.5: the true line is there, shear greatest as well."""
-    score = score_regions(footage, {"own": measured([moving_by(67.5)] * 2)})["own"]
+    score = tallied(RegionTally(), footage, measured([moving_by(67.5)] * 2))
     assert score.shear_line_true_mean == pytest.approx(0, abs=0.6)
     assert score.shear_line_mean == pytest.approx(7, abs=0.6)
 
 
-def test_an_interface_in_one_of_them_only(make_truth, make_footage, measured):
+def test_an_interface_in_one_of_them_only(make_truth, make_footage, measured, tallied):
     moves, rests = truth_of(make_truth, moving_by(60.5)), truth_of(make_truth, 0 * Y)
     both = make_footage(moves, rests)
-    score = score_regions(both, {"own": measured([0 * Y, moving_by(60.5)])})["own"]
+    score = tallied(RegionTally(), both, measured([0 * Y, moving_by(60.5)]))
     assert (score.interface_pair_count, score.interface_missed_count, score.interface_false_count) == (
         0,
         1,
@@ -98,46 +100,44 @@ def test_an_interface_in_one_of_them_only(make_truth, make_footage, measured):
     assert score.interface_mean is None and score.moving_iou == 0.0
 
 
-def test_soil_that_was_taken_for_the_implement(footage, measured):
-    score = score_regions(footage, {"own": measured([moving_by(60.5)] * 2, soil=Y >= 30)})["own"]
+def test_soil_that_was_taken_for_the_implement(footage, measured, tallied):
+    score = tallied(RegionTally(), footage, measured([moving_by(60.5)] * 2, soil=Y >= 30))
     assert score.soil_iou == pytest.approx(70 / 80)
 
 
-def test_the_cameras_error_moves_the_line(footage, measured):
+def test_the_cameras_error_moves_the_line(footage, measured, tallied):
     """With 0.5 px of camera motion left in, all speeds are 0.5 px higher; so is the threshold."""
-    score = score_regions(footage, {"own": measured([moving_by(60.5) + 0.5] * 2)})["own"]
+    score = tallied(RegionTally(), footage, measured([moving_by(60.5) + 0.5] * 2))
     assert score.interface_mean == pytest.approx(0, abs=0.05)
     # The other way, speeds of 3.5 and 0.5 px part at 2 px: where the true speed is 2.5 px, 0.25 px higher up.
-    score = score_regions(footage, {"own": measured([np.abs(moving_by(60.5) - 0.5)] * 2)})["own"]
+    score = tallied(RegionTally(), footage, measured([np.abs(moving_by(60.5) - 0.5)] * 2))
     assert score.interface_mean == pytest.approx(0.25, abs=0.1)
 
 
-def test_what_the_camera_does_to_the_line_is_told_apart(footage, measured):
+def test_what_the_camera_does_to_the_line_is_told_apart(footage, measured, tallied):
     flow = measured([np.abs(moving_by(60.5) - 0.5)] * 2).assign(u=measured([moving_by(60.5)] * 2)["u"])
-    score = score_regions(footage, {"own": flow})["own"]
+    score = tallied(RegionTally(), footage, flow)
     assert score.interface_mean > 0.1
     assert score.interface_true_camera_mean == pytest.approx(0, abs=1e-6)
 
 
-def test_without_masks_there_is_nothing_to_score(footage, make_flow):
-    assert score_regions(footage, {"own": make_flow(np.zeros((2, *SHAPE)), np.zeros((2, *SHAPE)))}) == {
-        "own": None
-    }
+def test_without_masks_there_is_nothing_to_score(make_flow):
+    assert not RegionTally.suits(make_flow(np.zeros((2, *SHAPE)), np.zeros((2, *SHAPE))))
 
 
-def test_of_a_grid_only_soil_is_scored(footage, measured):
+def test_of_a_grid_only_soil_is_scored(footage, measured, tallied):
     flow = measured([moving_by(60.5)] * 2)
-    score = score_regions(footage, {"own": flow.assign(node_x=flow["u"], node_y=flow["u"])})["own"]
+    score = tallied(RegionTally(), footage, flow.assign(node_x=flow["u"], node_y=flow["u"]))
     assert score.soil_iou == 1.0 and score.moving_iou is None and score.interface_pair_count == 0
 
 
 def test_true_regions_use_the_true_camera(make_truth):
-    found = true_regions(truth_of(make_truth, moving_by(60.5)))
+    found = TruePair(truth_of(make_truth, moving_by(60.5))).regions
     assert found.interface[:, 1] == pytest.approx(np.full(len(found.interface), 60.5), abs=0.1)
 
 
-def test_in_words(footage, measured):
-    found = score_regions(footage, {"own": measured([moving_by(67.5), 0 * Y])})["own"]
+def test_in_words(footage, measured, tallied):
+    found = tallied(RegionTally(), footage, measured([moving_by(67.5), 0 * Y]))
     cells = region_cells(found)
     assert len(cells) == len(REGION_COLUMNS)
     assert cells[:3] == ["1.0000", f"{found.moving_iou:.3f}", "1 of 2"]
@@ -146,10 +146,8 @@ def test_in_words(footage, measured):
 
 def test_written_and_read(footage, measured, tmp_path):
     flows = {"own": measured([moving_by(61.5)] * 2)}
-    region = score_regions(footage, flows)["own"]
-    scores = Scores(
-        "", 0, False, {"own": MethodScore(0.5, score_flows(footage, flows)["own"], regions=region)}, {}
-    )
+    scores = Scores("", 0, False, score_methods(footage, flows, seconds={"own": 0.5}), {})
+    region = scores.methods["own"].regions
     scores.write(tmp_path / "scores.json")
     assert Scores.read(tmp_path / "scores.json") == scores
     table = json.loads((tmp_path / "scores.json").read_text())["methods"]["own"]

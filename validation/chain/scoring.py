@@ -3,15 +3,13 @@
 from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
-from validation.averaging import score_averaging
-from validation.camera import score_camera
 from validation.chain.step import made_by, skips
 from validation.manifest import file_digest, key_of
 from validation.material import Material
+from validation.method_scores import score_methods
 from validation.methods import Method
-from validation.regions import score_regions
 from validation.run_folder import RunFolder
-from validation.score import MethodScore, ScoreError, Scores, score_flows
+from validation.score import ScoreError, Scores
 from validation.terminal import Terminal
 from validation.versions import package_versions
 
@@ -81,23 +79,11 @@ def _write_scores(
     try:
         flows |= {method.name: soft.read_soil_flow(run.analysis(method.slug)) for method in methods}
         with synth.Footage.open(material.folder) as footage, terminal.progress("score") as progress:
-            summaries = score_flows(footage, flows, progress=progress)
-            cameras = {name: score_camera(flow, footage.truths) for name, flow in flows.items()}
-            regions, averaging = score_regions(footage, flows), score_averaging(footage, flows)
-        seconds = {m.name: _seconds_per_pair(m, flows[m.name]) for m in methods}
+            seconds = {m.name: _seconds_per_pair(m, flows[m.name]) for m in methods}
+            results = score_methods(footage, flows, seconds=seconds, progress=progress)
     finally:
         for flow in flows.values():
             flow.close()
-    results = {
-        name: MethodScore(
-            seconds[name],
-            strata,
-            camera=cameras[name],
-            regions=regions[name],
-            averaging=averaging[name],
-        )
-        for name, strata in summaries.items()
-    }
     with run.writing("score", key) as draft:
         Scores(labels.scene, labels.seed, labels.quick, results, package_versions()).write(
             draft.folder / run.scores.name
