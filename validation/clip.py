@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.crop import Crop
+from soft import Region
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -53,7 +53,7 @@ def parse_frames(text: str) -> tuple[int, int]:
     return int(first), int(last)
 
 
-def clip_footage(footage: "Footage", out: Path, *, crop: Crop, first: int, last: int) -> None:
+def clip_footage(footage: "Footage", out: Path, *, region: Region, first: int, last: int) -> None:
     """Write a part of `footage` as footage of its own.
 
     Parameters
@@ -62,7 +62,7 @@ def clip_footage(footage: "Footage", out: Path, *, crop: Crop, first: int, last:
         Where it is cut from.
     out : Path
         A folder that does not exist yet; it appears when it is whole.
-    crop : Crop
+    region : soft.Region
         What of every picture.
     first, last : int
         The first and the last frame.
@@ -71,46 +71,47 @@ def clip_footage(footage: "Footage", out: Path, *, crop: Crop, first: int, last:
     ------
     ClipError
         The footage has no such frames, or `out` exists.
-    CropError
-        Its pictures are smaller than the crop.
+    soft.SequenceError
+        Its pictures are smaller than the region.
     """
-    _require(footage, crop, first, last)
+    _require(footage, region, first, last)
     if out.exists():
         raise ClipError(f"{out}: exists: a clip is written to a new folder")
     out.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=out.parent, prefix=f".{out.name}-") as draft:
         folder = Path(draft) / out.name
-        _write(footage, folder, crop, first, last)
+        _write(footage, folder, region, first, last)
         folder.rename(out)
 
 
-def _require(footage: "Footage", crop: Crop, first: int, last: int) -> None:
+def _require(footage: "Footage", region: Region, first: int, last: int) -> None:
     if not 0 <= first < last < footage.frame_count:
         raise ClipError(
             f"frames {first} to {last}: two or more of 0 to {footage.frame_count - 1} are needed "
             f"({footage.folder})"
         )
-    crop.require_within((footage.truths.sizes["y"], footage.truths.sizes["x"]), str(footage.folder))
+    sizes = footage.truths.sizes
+    region.require_within((sizes["y"], sizes["x"]), name=str(footage.folder))
 
 
-def _write(footage: "Footage", folder: Path, crop: Crop, first: int, last: int) -> None:
+def _write(footage: "Footage", folder: Path, region: Region, first: int, last: int) -> None:
     from synth.checksums import write_checksums
     from synth.footage import frame_name, write_picture, write_sequence
 
     (folder / frame_name(0)).parent.mkdir(parents=True)
     write_sequence(folder, footage.frame_rate, footage.metres_per_pixel, last - first + 1)
     for number, frame in enumerate(range(first, last + 1)):
-        picture = footage.picture(frame)[crop.rows, crop.columns]
+        picture = footage.picture(frame)[region.rows, region.columns]
         write_picture(folder / frame_name(number), np.ascontiguousarray(picture))
-    truth = _truth(footage, crop, first, last)
+    truth = _truth(footage, region, first, last)
     encoding = {name: _ENCODING for name, variable in truth.data_vars.items() if variable.ndim == 3}
     truth.to_netcdf(folder / "truth.nc", engine="h5netcdf", encoding=encoding)
-    _write_card(truth, folder, crop, first, last)
+    _write_card(truth, folder, region, first, last)
     write_checksums(folder)
 
 
-def _truth(footage: "Footage", crop: Crop, first: int, last: int) -> "xr.Dataset":
-    part = {"pair": slice(first, last), "y": crop.rows, "x": crop.columns}
+def _truth(footage: "Footage", region: Region, first: int, last: int) -> "xr.Dataset":
+    part = {"pair": slice(first, last), "y": region.rows, "x": region.columns}
     truth = footage.truths.isel(part).load()
     for name, variable in truth.data_vars.items():
         if variable.ndim == 3 and variable.dtype.kind == "f":
@@ -122,14 +123,14 @@ def _truth(footage: "Footage", crop: Crop, first: int, last: int) -> "xr.Dataset
     truth["first_frame"] = truth["first_frame"].copy(data=pairs)
     truth["second_frame"] = truth["second_frame"].copy(data=pairs + 1)
     truth.attrs["clip"] = (
-        f"frames {first} to {last}, columns from {crop.x}, rows from {crop.y}; rounded: distances to "
+        f"frames {first} to {last}, columns from {region.x}, rows from {region.y}; rounded: distances to "
         f"1/16 px, all else to 1/{_OTHER_STEPS_PER_UNIT} of its unit"
     )
     return truth
 
 
 def _stays(truth: "xr.Dataset") -> np.ndarray:
-    """Whether what is seen is within the crop in the second picture, too."""
+    """Whether what is seen is within the region in the second picture, too."""
     height, width = truth.sizes["y"], truth.sizes["x"]
     x = truth["u"].values + np.arange(width, dtype=np.float32)
     y = truth["v"].values + np.arange(height, dtype=np.float32)[:, np.newaxis]
@@ -141,7 +142,7 @@ def _rounded(values: np.ndarray, steps: int) -> np.ndarray:
     return (np.rint(values * np.float32(steps)) / np.float32(steps)).astype(values.dtype)
 
 
-def _write_card(truth: "xr.Dataset", folder: Path, crop: Crop, first: int, last: int) -> None:
+def _write_card(truth: "xr.Dataset", folder: Path, region: Region, first: int, last: int) -> None:
     from synth.data_card import CARD_FILE
 
     told = truth.attrs
@@ -152,9 +153,9 @@ def _write_card(truth: "xr.Dataset", folder: Path, crop: Crop, first: int, last:
         licence=told["license"],
         first=first,
         last=last,
-        x=crop.x,
-        y=crop.y,
-        width=crop.width,
-        height=crop.height,
+        x=region.x,
+        y=region.y,
+        width=region.width,
+        height=region.height,
     )
     (folder / CARD_FILE).write_text(card, encoding="utf-8")

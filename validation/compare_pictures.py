@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.crop import Crop
+from soft import Region
 
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
@@ -109,21 +109,21 @@ QUANTITIES = {
 }
 
 
-def read_pictures(path: Path, crop: Crop | None = None, *, binning: int = 1) -> list[np.ndarray]:
+def read_pictures(path: Path, region: Region | None = None, *, binning: int = 1) -> list[np.ndarray]:
     """Grey levels (0-255) of a picture file, or of up to eight pictures of a folder, evenly chosen.
 
     Parameters
     ----------
     path : Path
-    crop : Crop, optional
+    region : soft.Region, optional
         Only this part.
     binning : int
         Every `binning` x `binning` px of it are averaged to one.
 
     Raises
     ------
-    CropError, PicturesError, soft.SequenceError
-        There is no picture, one cannot be read, or the crop does not fit.
+    PicturesError, soft.SequenceError
+        There is no picture, one cannot be read, or does not hold the region.
     """
     from soft.natural_order import natural_key
     from soft.sequence import PICTURE_SUFFIXES, read_picture
@@ -139,8 +139,8 @@ def read_pictures(path: Path, crop: Crop | None = None, *, binning: int = 1) -> 
         chosen = np.linspace(0, len(files) - 1, min(len(files), _MOST_PICTURES))
         files = [files[round(index)] for index in chosen]
     pictures = [read_picture(file) for file in files]
-    cropped = pictures if crop is None else [crop.of(picture, path.name) for picture in pictures]
-    return [_binned(picture, binning) for picture in cropped]
+    parts = pictures if region is None else [region.of(picture, name=path.name) for picture in pictures]
+    return [_binned(part, binning) for part in parts]
 
 
 def _binned(picture: np.ndarray, side: int) -> np.ndarray:

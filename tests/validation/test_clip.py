@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from soft import Region, SequenceError
 from synth import Footage
 from validation.check import check_folder
 from validation.clip import ClipError, clip_footage, parse_frames
-from validation.crop import Crop, CropError
 
 
 @pytest.fixture
@@ -16,7 +16,7 @@ def footage(finished_run):
 
 
 def test_pictures_and_truth(footage, tmp_path):
-    clip_footage(footage, tmp_path / "clip", crop=Crop(10, 20, 40, 30), first=0, last=1)
+    clip_footage(footage, tmp_path / "clip", region=Region(10, 20, 40, 30), first=0, last=1)
     with Footage.open(tmp_path / "clip") as clip:
         np.testing.assert_array_equal(clip.picture(1), footage.picture(1)[20:50, 10:50])
         part, whole = clip.truth(0), footage.truth(0).isel(y=slice(20, 50), x=slice(10, 50))
@@ -27,7 +27,7 @@ def test_pictures_and_truth(footage, tmp_path):
 
 
 def test_what_leaves_the_window_is_not_valid(footage, tmp_path):
-    clip_footage(footage, tmp_path / "clip", crop=Crop(0, 0, 30, 30), first=0, last=1)
+    clip_footage(footage, tmp_path / "clip", region=Region(0, 0, 30, 30), first=0, last=1)
     with Footage.open(tmp_path / "clip") as clip:
         truth = clip.truth(0)
         y, x = np.indices((30, 30))
@@ -42,19 +42,19 @@ def test_what_leaves_the_window_is_not_valid(footage, tmp_path):
 
 
 def test_is_whole(footage, tmp_path):
-    clip_footage(footage, tmp_path / "clip", crop=Crop(10, 20, 40, 30), first=0, last=1)
+    clip_footage(footage, tmp_path / "clip", region=Region(10, 20, 40, 30), first=0, last=1)
     findings = check_folder(tmp_path / "clip")
     assert not findings.faults and not findings.remarks
 
 
 def test_refuses(footage, tmp_path):
     with pytest.raises(ClipError, match="frames 0 to 2"):
-        clip_footage(footage, tmp_path / "a", crop=Crop(0, 0, 10, 10), first=0, last=2)
-    with pytest.raises(CropError, match="96 x 80 px"):
-        clip_footage(footage, tmp_path / "a", crop=Crop(90, 0, 10, 10), first=0, last=1)
+        clip_footage(footage, tmp_path / "a", region=Region(0, 0, 10, 10), first=0, last=2)
+    with pytest.raises(SequenceError, match="96 x 80 px"):
+        clip_footage(footage, tmp_path / "a", region=Region(90, 0, 10, 10), first=0, last=1)
     (tmp_path / "there").mkdir()
     with pytest.raises(ClipError, match="exists"):
-        clip_footage(footage, tmp_path / "there", crop=Crop(0, 0, 10, 10), first=0, last=1)
+        clip_footage(footage, tmp_path / "there", region=Region(0, 0, 10, 10), first=0, last=1)
     with pytest.raises(ClipError, match="FIRST:LAST"):
         parse_frames("3-4")
     assert sorted(path.name for path in tmp_path.iterdir()) == ["there"]
@@ -65,4 +65,4 @@ def test_command(softbed, finished_run, tmp_path):
     assert softbed(*command, "--crop", "5,5,20,20")[0] == 0
     assert softbed("check", tmp_path / "clip")[0] == 0
     status, _, err = softbed(*command, "--crop", "5,5,20")
-    assert status == 2 and "X,Y,WIDTH,HEIGHT" in err
+    assert status == 2 and "four whole numbers" in err

@@ -9,8 +9,8 @@ import pytest
 from PIL import Image
 from scipy.ndimage import gaussian_filter
 
+from soft import Region
 from validation.compare_pictures import picture_statistics, read_pictures
-from validation.crop import Crop, CropError
 
 SIDE = 600
 
@@ -74,7 +74,7 @@ def test_a_folder_is_taken_as_one_set(tmp_path, white):
     for k in range(12):
         Image.fromarray((120 + 5 * np.roll(white, k)).astype(np.uint8)).save(tmp_path / f"p{k}.png")
     (tmp_path / "notes.txt").write_text("mine")
-    pictures = read_pictures(tmp_path, Crop.parse("10, 20, 300, 200"))
+    pictures = read_pictures(tmp_path, Region.parse("10, 20, 300, 200"))
     assert len(pictures) == 8
     assert pictures[0].shape == (200, 300)
     assert np.array_equal(pictures[0], read_pictures(tmp_path / "p0.png")[0][20:220, 10:310])
@@ -83,7 +83,7 @@ def test_a_folder_is_taken_as_one_set(tmp_path, white):
 def test_binning_averages_squares(tmp_path):
     picture = np.arange(70 * 40, dtype=np.uint8).reshape(70, 40)
     Image.fromarray(picture).save(tmp_path / "picture.png")
-    (binned,) = read_pictures(tmp_path / "picture.png", Crop(1, 2, 38, 67), binning=3)
+    (binned,) = read_pictures(tmp_path / "picture.png", Region(1, 2, 38, 67), binning=3)
     assert binned.shape == (22, 12)
     assert binned[1, 2] == pytest.approx(picture[5:8, 7:10].mean())
 
@@ -110,8 +110,8 @@ def test_the_command(softbed, tmp_path, white):
     [
         (["none.png", "a.png"], "no such picture"),
         (["a.png", "empty"], "no picture in it"),
-        (["a.png", "a.png", "--crop-b", "0,0,9"], "X,Y,WIDTH,HEIGHT"),
-        (["a.png", "a.png", "--crop-b", "90,0,50,50"], "a.png has 100 x 100 px"),
+        (["a.png", "a.png", "--crop-b", "0,0,9"], "--crop-b '0,0,9': must be four whole numbers"),
+        (["a.png", "a.png", "--crop-b", "90,0,50,50"], "must lie within a.png of 100 x 100 px"),
         (["a.png", "a.png", "--crop-b", "0,0,10,50"], "10 x 50 px: at least 32"),
         (["a.png", "flat.png"], "no texture"),
     ],
@@ -127,16 +127,11 @@ def test_what_cannot_be_compared_is_one_line(softbed, tmp_path, monkeypatch, whi
     assert not Path("compare-pictures.png").exists()
 
 
-def test_a_crop_that_is_none():
-    with pytest.raises(CropError, match="whole px"):
-        Crop.parse("1,2,3,-4")
-
-
 def test_a_real_photograph(tmp_path):
     folder = Path(os.environ.get("SOFTBED_DATA", "nowhere")) / "tbar"
     if not folder.is_dir():
         pytest.skip("$SOFTBED_DATA has no tbar: real photographs of soil behind glass")
-    found = picture_statistics(read_pictures(folder / "IMG_1062.jpg", Crop(400, 2150, 1200, 700)), "tbar")
+    found = picture_statistics(read_pictures(folder / "IMG_1062.jpg", Region(400, 2150, 1200, 700)), "tbar")
     assert found.spectrum_slope < -1  # soil is coarser than noise
     assert 2 < found.autocorrelation_length < 30
     assert found.noise < found.contrast / 3

@@ -29,16 +29,17 @@ def compare_pictures(
     debug: Debug = False,
 ) -> None:
     """Set grey levels, grain size, spectrum, gradient and noise of pictures side by side."""
+    from soft import Region
     from validation import compare_pictures as compare
-    from validation.crop import Crop
     from validation.figures import to_png
 
     terminal = Terminal(json=json)
     with terminal.working():
-        crops = [None if text is None else Crop.parse(text) for text in (crop_a, crop_b)]
+        given = (("--crop-a", crop_a), ("--crop-b", crop_b))
+        regions = [None if text is None else Region.parse(text, name=name) for name, text in given]
         first, second = (
-            compare.picture_statistics(compare.read_pictures(path, crop, binning=side), path.name)
-            for path, crop, side in zip((a, b), crops, (bin_a, bin_b), strict=True)
+            compare.picture_statistics(compare.read_pictures(path, region, binning=side), path.name)
+            for path, region, side in zip((a, b), regions, (bin_a, bin_b), strict=True)
         )
         out.write_bytes(to_png(compare.draw_comparison(first, second)))
     terminal.show("\n".join([*compare.comparison_lines(first, second), f"figure: {out}"]))

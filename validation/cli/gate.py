@@ -76,15 +76,15 @@ def clip(
     debug: Debug = False,
 ) -> None:
     """Cut a window and some frames out of footage, with the truth: small enough to be kept with code."""
+    from soft import Region
     from synth import Footage
     from validation.clip import clip_footage, parse_frames
-    from validation.crop import Crop
 
     terminal = Terminal(json=json)
     with terminal.working():
-        first, last = parse_frames(frames)
+        (first, last), region = parse_frames(frames), Region.parse(crop, name="--crop")
         folder = footage / "footage" if (footage / "footage").is_dir() else footage
         with Footage.open(folder) as source:
-            clip_footage(source, out, crop=Crop.parse(crop), first=first, last=last)
+            clip_footage(source, out, region=region, first=first, last=last)
     terminal.show(str(out))
     terminal.give({"schema_version": 1, "footage": str(out)})

@@ -1,16 +1,13 @@
 """Settings of an analysis: from a file, and from options, which go before."""
 
+from dataclasses import asdict
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
-
-import typer
 
 from validation.terminal import Terminal
 
 if TYPE_CHECKING:
     from soft import AnalysisSettings
-
-_REGION = ("x", "y", "width", "height")
 
 
 def given_settings(
@@ -27,10 +24,10 @@ def given_settings(
 
     Raises
     ------
-    soft.SettingsError
+    soft.SettingsError, soft.SequenceError
         A value is not allowed.
     """
-    from soft import AnalysisSettings
+    from soft import AnalysisSettings, Region
 
     settings = AnalysisSettings() if file is None else AnalysisSettings.read(file)
     calibration = sections.get("calibration", {})
@@ -40,7 +37,8 @@ def given_settings(
             update={"scale_points": None, "scale_length": None, "glass_points": None, "rectify": False}
         )
         settings = settings.model_copy(update={"calibration": kept})
-    return settings.changed(name="options", region=_region(region), **sections)
+    part = None if region is None else asdict(Region.parse(region, name="--region"))
+    return settings.changed(name="options", region=part, **sections)
 
 
 def settings_written(file: Path, terminal: Terminal) -> None:
@@ -51,13 +49,3 @@ def settings_written(file: Path, terminal: Terminal) -> None:
         write_settings(file)
     terminal.show(f"{file}: written; change it, then: softbed analyze PATH --settings {file}")
     terminal.give({"schema_version": 1, "file": str(file)})
-
-
-def _region(text: str | None) -> dict[str, int] | None:
-    if text is None:
-        return None
-    try:
-        numbers = [int(part) for part in text.split(",")]
-        return dict(zip(_REGION, numbers, strict=True))
-    except ValueError:
-        raise typer.BadParameter(f"--region {text!r}: must be four whole numbers X,Y,W,H") from None

@@ -63,3 +63,15 @@ def test_region(moved):
     ):
         with pytest.raises(SequenceError, match=message):
             ImageSequence.from_arrays([first, second]).crop(Region(*numbers))
+
+
+def test_region_as_it_is_written():
+    assert Region.parse("30, 20,50,40") == Region(30, 20, 50, 40)
+    assert str(Region(30, 20, 50, 40)) == "30,20,50,40"
+    for text, message in (
+        ("1,2,3", "--crop '1,2,3': must be four whole numbers X,Y,W,H in px"),
+        ("1,2,3,4.5", "four whole numbers"),
+        ("1,2,3,-4", "region height: -4: must be a whole number, 2 or more"),
+    ):
+        with pytest.raises(SequenceError, match=message):
+            Region.parse(text, name="--crop")
