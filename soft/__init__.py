@@ -44,7 +44,7 @@ if TYPE_CHECKING:
     from soft.gradient import displacement_gradient
     from soft.inertial import InertialMotion, to_inertial
     from soft.opening import open_sequence
-    from soft.pair_motion import PairMotion, motion_of_pair
+    from soft.pair_motion import PairMotion, motion_between_nodes, motion_of_pair
     from soft.phase_lock import PhaseLockedFlow, grouser_phase, phase_locked_average, wheel_angle_of
     from soft.segmentation import MovingRegion, SoilRegion, moving_mask, soil_mask
     from soft.sequence import ImageSequence, PairSelection, Region, SequenceError
@@ -123,6 +123,7 @@ _HOMES = {
     "gain_figure": "soft.figures",
     "grouser_phase": "soft.phase_lock",
     "motion_figure": "soft.figures",
+    "motion_between_nodes": "soft.pair_motion",
     "motion_of_pair": "soft.pair_motion",
     "moving_mask": "soft.segmentation",
     "open_sequence": "soft.opening",
@@ -204,6 +205,7 @@ __all__ = [
     "forward_flux",
     "gain_figure",
     "grouser_phase",
+    "motion_between_nodes",
     "motion_figure",
     "motion_of_pair",
     "moving_mask",

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.averaging_gain import AveragingGain, GainTally
-from soft.pair_motion import motion_of_pair
+from soft.pair_motion import motion_between_nodes
 from soft.segmentation import LEAST_SPEED_STEP, MovingRegion, moving_mask
 
 if TYPE_CHECKING:
@@ -35,6 +35,8 @@ class MeanFlow:
         What averaging did for the signal-to-noise ratio.
     metres_per_pixel, frame_rate : float or None
         As in the SoilFlow.
+    spacing : float
+        Px between the nodes of a grid that vectors are linear between; 0 where each is measured itself.
     """
 
     u: np.ndarray
@@ -47,6 +49,7 @@ class MeanFlow:
     gain: AveragingGain
     metres_per_pixel: float | None = None
     frame_rate: float | None = None
+    spacing: float = 0.0
 
     @property
     def displacement(self) -> np.ndarray:
@@ -65,7 +68,8 @@ class MeanFlow:
         least; so much less need the classes lie apart. This is how motion shows that no pair shows (Fig. 13).
         """
         gained = max(1.0, float(self.gain.gain[-1])) if len(self.gain.pair_count) else 1.0
-        return moving_mask(self.speed, self.soil, seed=seed, least_step=LEAST_SPEED_STEP / gained)
+        least = LEAST_SPEED_STEP / gained
+        return moving_mask(self.speed, self.soil, seed=seed, least_step=least, reach=self.spacing)
 
 
 def average_flow(
@@ -80,7 +84,8 @@ def average_flow(
 
     Each pixel's mean is over the pairs in which it was soil and measured. A camera that travels with the
     implement sees it in one place: then nothing is shifted. Else `positions` says where the implement is. Two
-    pairs at a time are read; memory holds a few pictures, however many pairs there are.
+    pairs at a time are read; memory holds a few pictures, however many pairs there are. A grid's motion is
+    taken as linear between its nodes, which may lie elsewhere in each pair.
 
     Parameters
     ----------
@@ -150,7 +155,8 @@ def _shifts(
 
 def _pair_vectors(flow: "xarray.Dataset", pair: int, shift: tuple[int, int], sums: "_Sums") -> np.ndarray:
     """Read a pair's vectors (2, H, W), NaN where not measured on soil, and add them to the sums."""
-    motion = motion_of_pair(flow, pair)
+    motion = motion_between_nodes(flow, pair)
+    sums.spacing = max(sums.spacing, motion.spacing)
     components = np.moveaxis(motion.displacement, 2, 0)
     vectors = np.stack([_shifted(component, shift, np.float32(np.nan)) for component in components])
     sums.add(vectors, _shifted(motion.soil, shift, False))
@@ -179,6 +185,7 @@ class _Sums:
     squares: np.ndarray
     count: np.ndarray
     soil_count: np.ndarray
+    spacing: float = 0.0
 
     @classmethod
     def empty(cls, shape: tuple[int, int]) -> "_Sums":
@@ -213,4 +220,5 @@ class _Sums:
             gain=gain,
             metres_per_pixel=flow.attrs.get("metres_per_pixel"),
             frame_rate=flow.attrs.get("frame_rate"),
+            spacing=self.spacing,
         )

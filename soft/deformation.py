@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.gradient import displacement_gradient
-from soft.pair_motion import motion_of_pair
+from soft.pair_motion import motion_between_nodes
 
 if TYPE_CHECKING:
     import xarray
@@ -68,8 +68,10 @@ def deformation_of(flow: "xarray.Dataset", *, pair: int = 0, scale: float = 3.0)
     pair : int, optional
         Which pair.
     scale : float, optional
-        Px over which displacements are smoothed, as in `displacement_gradient`.
+        Px over which displacements are smoothed, as in `displacement_gradient`; of a grid half of what its
+        nodes are apart, at least.
     """
-    motion = motion_of_pair(flow, pair)
+    motion = motion_between_nodes(flow, pair)
+    scale = max(scale, motion.spacing / 2)
     gradient = displacement_gradient(motion.displacement, motion.measured, scale=scale)
     return Deformation.from_gradient(gradient)

@@ -7,12 +7,13 @@ from typing import Any
 
 import numpy as np
 
+from soft.between_nodes import between_nodes
 from soft.flow import FlowField, estimate_flow
 from soft.flow.files import PREFIX
 from soft.flow_store import FlowStore, MeasuredFlow, flow_key
 from soft.inertial import InertialMotion, to_inertial
 from soft.masks import grown
-from soft.segmentation import moving_mask, soil_mask
+from soft.segmentation import MovingRegion, moving_mask, soil_mask
 from soft.sequence import ImageSequence
 from soft.velocity import to_velocity
 
@@ -86,8 +87,7 @@ def analyze_pair(
     flow = _flow(first, second, around(soil) if settings.keeps_to_mask else None, pair, settings, store)
     field = flow.field.where(_both_seen(flow.field, sequence.seen))
     inertial = to_inertial(field.displacement, soil, vertical=settings.vertical, camera=settings.camera)
-    speed = np.hypot(inertial.displacement[:, :, 0], inertial.displacement[:, :, 1])
-    moving = moving_mask(speed, soil, seed=settings.seed)
+    moving = _moving(inertial.displacement, field.nodes, soil, settings.seed)
     values = _field_values(field) | {"soil": soil, "moving": moving.mask} | _inertial_values(inertial)
     values |= _velocity_values(inertial.displacement, sequence) | _when(pair, sequence)
     return PairRecord(values, flow.seconds, (found.remark, moving.remark))
@@ -141,6 +141,16 @@ def _measured(
         **options,  # type: ignore[arg-type]
     )
     return MeasuredFlow(field, time.perf_counter() - began)
+
+
+def _moving(displacement: np.ndarray, nodes: np.ndarray | None, soil: np.ndarray, seed: int) -> MovingRegion:
+    """What moves; of a grid by motion linear between its nodes, which alone form no region."""
+    reach = 0.0
+    if nodes is not None:
+        filled = between_nodes(displacement, nodes, soil)
+        displacement, reach = filled.displacement, filled.spacing
+    speed = np.hypot(displacement[:, :, 0], displacement[:, :, 1])
+    return moving_mask(speed, soil, seed=seed, reach=reach)
 
 
 def _both_seen(field: FlowField, seen: np.ndarray) -> np.ndarray:

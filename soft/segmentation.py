@@ -141,7 +141,12 @@ def soil_mask(picture: np.ndarray, *, soil: str = "bright", seed: int = 0) -> So
 
 
 def moving_mask(
-    speed: np.ndarray, soil: np.ndarray, *, seed: int = 0, least_step: float = LEAST_SPEED_STEP
+    speed: np.ndarray,
+    soil: np.ndarray,
+    *,
+    seed: int = 0,
+    least_step: float = LEAST_SPEED_STEP,
+    reach: float = 0.0,
 ) -> MovingRegion:
     """Tell moving from resting soil by speed in the inertial frame.
 
@@ -164,6 +169,9 @@ def moving_mask(
     least_step : float, optional
         Px that the classes must be apart at least. The default suits single pairs; a mean over many pairs has
         smaller errors, and shows motion that single pairs do not.
+    reach : float, optional
+        Px over which errors hang together although they are no motion, as between the nodes of a grid: what
+        is fast must be so further off.
     """
     measured = soil & np.isfinite(speed)
     within = ~grown(~soil, OUTLINE_MARGIN)
@@ -179,7 +187,7 @@ def moving_mask(
         # NaN is not above any threshold.
         fast = measured & (np.nan_to_num(speed) > classes.threshold)
         size = texture_size(soil.shape)
-        why = _why_no_mass(largest_region(fast, size=size), fast, measured)
+        why = _why_no_mass(largest_region(fast, size=size), fast, measured, reach)
         if why is None:
             mask = large_regions(fast, size=size, share=LEAST_MASS_SHARE) & soil
             return MovingRegion(mask, True, _told_apart(classes) + told, classes.threshold)
@@ -197,12 +205,12 @@ def _told_apart(classes: TwoMeans) -> str:
     return f"{told}, with all speeds between: the line is where the speed is {classes.threshold:.2f} px"
 
 
-def _why_no_mass(region: np.ndarray, fast: np.ndarray, measured: np.ndarray) -> str | None:
+def _why_no_mass(region: np.ndarray, fast: np.ndarray, measured: np.ndarray, reach: float) -> str | None:
     """Say why fast pixels are no moving mass; None if they are one."""
     share = float((region & fast).sum() / fast.sum())
     if share < LEAST_REGION_SHARE:
         return f"the largest region holds {share:.0%} of the fast pixels: they are scattered"
-    distance = max(1, round(COHERENCE_DISTANCE * min(fast.shape)))
+    distance = max(1, round(COHERENCE_DISTANCE * min(fast.shape)), math.ceil(2 * reach))
     found = coherence(fast, measured, distance)
     if found < LEAST_COHERENCE:
         return f"fast pixels have hardly more fast ones {distance} px off than chance gives: scattered"

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from soft.pair_motion import motion_of_pair
+from soft.pair_motion import motion_between_nodes
 from soft.segmentation import MovingRegion, moving_mask
 
 if TYPE_CHECKING:
@@ -93,7 +93,7 @@ def shear_interface(
 
 
 def shear_interface_of(flow: "xarray.Dataset", *, pair: int = 0) -> ShearInterface:
-    """Find the shear interface of one pair of a SoilFlow.
+    """Find the shear interface of one pair of a SoilFlow; that of a grid by motion linear between its nodes.
 
     Parameters
     ----------
@@ -102,14 +102,17 @@ def shear_interface_of(flow: "xarray.Dataset", *, pair: int = 0) -> ShearInterfa
     pair : int, optional
         Which pair.
     """
-    motion = motion_of_pair(flow, pair)
-    region = moving_mask(motion.speed, motion.soil, seed=int(flow.attrs.get("seed", 0)))
-    return _around(region, motion.speed, motion.soil)
+    motion = motion_between_nodes(flow, pair)
+    seed = int(flow.attrs.get("seed", 0))
+    region = moving_mask(motion.speed, motion.soil, seed=seed, reach=motion.spacing)
+    # Beyond a grid's outermost nodes nothing is known, so the region's edge there is no boundary.
+    return _around(region, motion.speed, motion.measured if motion.spacing else motion.soil)
 
 
 def shear_interface_of_mean(mean: "MeanFlow", *, seed: int = 0) -> ShearInterface:
     """Find the shear interface of an average over pairs; motion may show that single pairs do not show."""
-    return _around(mean.moving_region(seed=seed), mean.speed, mean.soil)
+    soil = np.isfinite(mean.speed) if mean.spacing else mean.soil
+    return _around(mean.moving_region(seed=seed), mean.speed, soil)
 
 
 def _around(region: MovingRegion, speed: np.ndarray, soil: np.ndarray) -> ShearInterface:

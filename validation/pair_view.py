@@ -8,6 +8,7 @@ import numpy as np
 
 from validation.metrics import end_point_error
 from validation.nodes import difference_at, has_node, stacked
+from validation.regions import true_interface
 from validation.strata import Strata, find_strata
 
 DIRECTION_ABOVE = 0.3
@@ -16,6 +17,7 @@ DIRECTION_ABOVE = 0.3
 if TYPE_CHECKING:
     import xarray as xr
 
+    from soft import ShearInterface
     from soft.figures.units import Units
     from validation.material import Material
     from validation.methods import Method
@@ -69,6 +71,8 @@ class Measured:
         True soil that was not measured.
     camera_u : float
         Horizontal displacement by the camera's own motion, as the analysis found it, px.
+    soil : (H, W) bool array
+        True soil.
     gridded : bool
         Whether it tells of a grid's nodes only: of other pixels, nothing is missed.
     """
@@ -77,13 +81,14 @@ class Measured:
     error: np.ndarray
     missed: np.ndarray
     camera_u: float
+    soil: np.ndarray
     gridded: bool = False
 
     def shown(self, values: np.ndarray) -> np.ndarray:
-        """Values (H, W) as a figure shows them: a grid's nodes as dots, since pixels are hardly seen."""
-        from soft.figures.view import dots
+        """Values (H, W) as a figure shows them: a node of a grid fills its cell, within soil."""
+        from soft.figures.view import cells
 
-        return dots(values) if self.gridded else values
+        return np.where(self.soil, cells(values), np.nan) if self.gridded else values
 
 
 @dataclass(frozen=True, eq=False)
@@ -106,6 +111,8 @@ class PairView:
         True horizontal displacement by the camera's own motion, px.
     units : soft.figures.units.Units
         Of the pictures.
+    true_interface : soft.ShearInterface
+        The line that the analysis' clustering finds in the true speeds.
     """
 
     pair: int
@@ -115,6 +122,7 @@ class PairView:
     measured: dict[str, Measured]
     camera_u: float
     units: "Units"
+    true_interface: "ShearInterface"
 
 
 def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]", pair: int) -> PairView:
@@ -134,7 +142,8 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
             measured[method.name] = _measured(flow.isel(pair=pair).load(), truth, here)
     sequence = material.sequence
     units = Units.of(metres_per_pixel=sequence.metres_per_pixel, frame_rate=sequence.frame_rate)
-    return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units)
+    line = true_interface(truth, found)
+    return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units, line)
 
 
 def true_motion(truth: "xr.Dataset") -> Motion:
@@ -149,7 +158,7 @@ def _motion_of(truth: "xr.Dataset", found: Strata) -> Motion:
 
 
 def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:
-    from soft.figures.view import dots
+    from soft.figures.view import cells
 
     said = flow["soil"].values.astype(bool) & flow["valid"].values.astype(bool)
     u, v = (np.where(said, flow[name].values, np.nan) for name in ("inertial_u", "inertial_v"))
@@ -158,6 +167,8 @@ def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Meas
     difference = difference_at(stacked(flow, "u", "v"), stacked(truth, "u", "v").astype(float), nodes)
     error = np.where(judged, end_point_error(difference[..., 0], difference[..., 1]), np.nan)
     told = here if nodes is None else here & has_node(nodes)
-    motion = Motion(u, v) if nodes is None else Motion(dots(u), dots(v))
+    if nodes is not None:
+        soil = flow["soil"].values.astype(bool)
+        u, v = (np.where(soil, cells(one), np.nan) for one in (u, v))
     missed = told & ~np.isfinite(error)
-    return Measured(motion, error, missed, float(flow["camera_u"]), gridded=nodes is not None)
+    return Measured(Motion(u, v), error, missed, float(flow["camera_u"]), here, gridded=nodes is not None)

@@ -18,6 +18,7 @@ from validation.strata import Strata
 if TYPE_CHECKING:
     import xarray as xr
 
+    from soft import MovingRegion, ShearInterface
     from validation.truth_pass import TruePair
 
 _NEEDED_OF_FLOW = ("u", "v", "inertial_u", "inertial_v", "valid", "soil", "moving")
@@ -121,8 +122,6 @@ class RegionTally:
         true = pair.regions
         soil = flow["soil"].values.astype(bool)
         self.soil += [(soil & true.soil).sum(), (soil | true.soil).sum()]
-        if "node_x" in flow:  # between a grid's nodes there is no boundary to find
-            return
         moving = flow["moving"].values.astype(bool)
         self.moving += [(moving & true.moving).sum(), (moving | true.moving).sum()]
         self._add_interface(true, _measured_interface(flow))
@@ -177,19 +176,33 @@ def true_regions(truth: "xr.Dataset", strata: Strata) -> TrueRegions:
     strata : Strata
         Its own.
     """
+    soil = truth["soil"].values.astype(bool)
+    region, interface = _true_moving(truth, strata)
+    shears = region.found and "strain_rate" in truth
+    crest = shear_line(truth["strain_rate"].values, soil) if shears else np.empty((0, 2))
+    camera = strata.camera_u, _camera_v(truth)
+    return TrueRegions(soil, region.mask, points_along(interface.lines), crest, camera)
+
+
+def true_interface(truth: "xr.Dataset", strata: Strata) -> "ShearInterface":
+    """Find the shear interface alone, as `true_regions` does, in the true speeds."""
+    return _true_moving(truth, strata)[1]
+
+
+def _true_moving(truth: "xr.Dataset", strata: Strata) -> "tuple[MovingRegion, ShearInterface]":
     from soft import moving_mask
     from soft.shear_interface import shear_interface
 
     soil = truth["soil"].values.astype(bool)
-    camera_v = float(truth["camera_v"]) if "camera_v" in truth else 0.0
-    speed = np.hypot(truth["u"].values - strata.camera_u, truth["v"].values - camera_v)
+    speed = np.hypot(truth["u"].values - strata.camera_u, truth["v"].values - _camera_v(truth))
     speed = np.where(strata.masks["all"], speed, np.nan)
     region = moving_mask(speed, soil)
-    interface = shear_interface(speed, region.mask, threshold=region.threshold, soil=soil)
-    shears = region.found and "strain_rate" in truth
-    crest = shear_line(truth["strain_rate"].values, soil) if shears else np.empty((0, 2))
-    camera = strata.camera_u, camera_v
-    return TrueRegions(soil, region.mask, points_along(interface.lines), crest, camera)
+    return region, shear_interface(speed, region.mask, threshold=region.threshold, soil=soil)
+
+
+def _camera_v(truth: "xr.Dataset") -> float:
+    """Vertical displacement by the camera's own motion, px."""
+    return float(truth["camera_v"]) if "camera_v" in truth else 0.0
 
 
 def _measured_interface(flow: "xr.Dataset") -> np.ndarray:

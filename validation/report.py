@@ -197,7 +197,9 @@ def _truth_panels(view: PairView) -> list[Panel]:
 def _method_panels(view: PairView, name: str, top: float, published: Mapping[str, float]) -> list[Panel]:
     measured = view.measured[name]
     missed = " Soil that was not measured is magenta." if measured.missed.any() else ""
-    where = "at every node of the grid, shown as dots" if measured.gridded else "of every true soil pixel"
+    where = (
+        "at every node of the grid, which fills its cell" if measured.gridded else "of every true soil pixel"
+    )
     return [
         Panel.of(
             "Measured speed",

@@ -17,7 +17,7 @@ from soft.figures.page import (
     show_picture,
 )
 from soft.figures.view import View, reduced, stride_of, top_of, view_of_pair
-from soft.pair_motion import motion_of_pair
+from soft.pair_motion import motion_between_nodes
 
 if TYPE_CHECKING:
     import xarray
@@ -110,7 +110,7 @@ def streamlines_figure(
 
     chosen = find_colours(colours)
     view = view_of_pair(flow, picture, pair, interface)
-    motion = motion_of_pair(flow, pair)
+    motion = motion_between_nodes(flow, pair)
     spacing = spacing or max(picture.shape[1] / 40, 4.0)
     traced = trace_streamlines(motion.displacement, motion.moving, spacing=spacing)
     figure, grid = new_page(picture.shape)
@@ -161,7 +161,7 @@ def profile_figure(
     """
     from soft.soil_motion import velocity_profile
 
-    motion = motion_of_pair(flow, pair)
+    motion = motion_between_nodes(flow, pair)
     x = _lowest_surface(motion.soil) if x is None else x
     try:
         profile = velocity_profile(motion.displacement, motion.soil, x=x, width=width)

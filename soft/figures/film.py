@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
+from itertools import zip_longest
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -9,10 +10,19 @@ import numpy as np
 
 from soft.figures.colours import Colours, find_colours
 from soft.figures.film_file import FILM_SUFFIXES, film_file
-from soft.figures.page import colour_bar, colour_wheel, new_page, require_suffix, show_map, show_picture
+from soft.figures.page import (
+    colour_bar,
+    colour_wheel,
+    interface_lines,
+    new_page,
+    require_suffix,
+    show_map,
+    show_picture,
+)
 from soft.figures.units import Units
 from soft.figures.view import extent_of, reduced, stride_of, top_of, view_of_pair
 from soft.sequence import ImageSequence
+from soft.shear_interface import shear_interface_of
 
 if TYPE_CHECKING:
     import xarray
@@ -65,11 +75,14 @@ class Shot:
         Grey, 0-255.
     maps : sequence of (h, w) array or None
         What lies over the picture in each panel; NaN shows the picture.
+    lines : sequence of sequence of (N, 2) array, optional
+        The shear interface in each panel, px.
     """
 
     label: str
     picture: np.ndarray
     maps: Sequence[np.ndarray | None]
+    lines: Sequence[Sequence[np.ndarray]] = ()
 
 
 class FilmPage:
@@ -87,6 +100,8 @@ class FilmPage:
         Of the axes.
     pixels : int
         Width of the page, px.
+    colours : Colours
+        Of the shear interface.
     """
 
     def __init__(
@@ -97,6 +112,7 @@ class FilmPage:
         *,
         units: Units,
         pixels: int,
+        colours: Colours,
     ) -> None:
         from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -105,10 +121,12 @@ class FilmPage:
         figure.set_dpi(pixels / figure.get_figwidth())
         self._canvas = FigureCanvasAgg(figure)
         extent, empty = extent_of(full_shape, units), np.full(shape, np.nan)
-        self._pictures, self._maps = [], []
+        self._pictures, self._maps, self._lines = [], [], []
+        self._length = units.length
         for panel, axes in zip(panels, grid.ravel(), strict=False):
             self._pictures.append(show_picture(axes, empty, extent, units.length_name, title=panel.title))
             self._maps.append(_empty_map(axes, panel, empty, extent))
+            self._lines.append(interface_lines(axes, [], colours))
         for axes in grid.ravel()[len(panels) :]:
             axes.remove()
         self._title, self._first = grid[0, 0], panels[0].title
@@ -120,6 +138,9 @@ class FilmPage:
         for shown, values in zip(self._maps, shot.maps, strict=True):
             if shown is not None:
                 shown.set_data(values)
+        # Panels beyond those that lines are told for have none.
+        for drawn, lines in zip_longest(self._lines, shot.lines, fillvalue=()):
+            drawn.set_segments([self._length * line for line in lines])
         self._title.set_title(f"{self._first}, {shot.label}", fontsize=10, loc="left")
         self._canvas.draw()
         return np.ascontiguousarray(np.asarray(self._canvas.buffer_rgba())[..., :3])
@@ -148,6 +169,7 @@ def write_film(
     units: Units,
     rate: float | None,
     count: int,
+    colours: Colours,
     progress: Progress | None = None,
 ) -> None:
     """Write a film of pages, each drawn and written before the next one is asked for.
@@ -168,6 +190,8 @@ def write_film(
         Pictures a second; eight where it is unknown.
     count : int
         How many there will be.
+    colours : Colours
+        Of the shear interface.
     progress : callable, optional
         Called with the pictures done and in all.
 
@@ -182,7 +206,7 @@ def write_film(
         for done, shot in enumerate(shots, start=1):
             if page is None:
                 shown = (shot.picture.shape[0], shot.picture.shape[1])
-                page = FilmPage(panels, shown, shape, units=units, pixels=_PAGE_PIXELS[kind])
+                page = FilmPage(panels, shown, shape, units=units, pixels=_PAGE_PIXELS[kind], colours=colours)
             film.add(page.draw(shot))
             if progress is not None:
                 progress(done, count)
@@ -197,6 +221,8 @@ def flow_film(
     progress: Progress | None = None,
 ) -> None:
     """Write a film of a measurement: picture, speed, direction and, where it is told, uncertainty.
+
+    The shear interface is drawn over speed and direction.
 
     Parameters
     ----------
@@ -222,17 +248,18 @@ def flow_film(
         panels.append(Panel("Uncertainty, one sigma", chosen.error, "[px]", low, high, logarithmic=True))
     write_film(
         path, panels, _shots(flow, sequence, uncertain=uncertain), shape=sequence.shape, units=units,
-        rate=sequence.frame_rate, count=flow.sizes["pair"], progress=progress,
+        rate=sequence.frame_rate, count=flow.sizes["pair"], colours=chosen, progress=progress,
     )  # fmt: skip
 
 
 def _shots(flow: "xarray.Dataset", sequence: ImageSequence, *, uncertain: bool) -> Iterator[Shot]:
     for pair in range(flow.sizes["pair"]):
-        view = view_of_pair(flow, sequence[int(flow["first_frame"][pair])], pair)
+        line = shear_interface_of(flow, pair=pair)
+        view = view_of_pair(flow, sequence[int(flow["first_frame"][pair])], pair, line)
         maps: list[np.ndarray | None] = [None, view.speed, view.direction]
         if uncertain:
             maps.append(np.where(np.isfinite(view.x), _uncertainty(flow, pair), np.nan))
-        yield Shot(label_of(flow, pair), view.picture, maps)
+        yield Shot(label_of(flow, pair), view.picture, maps, ((), line.lines, line.lines))
 
 
 def _uncertainty(flow: "xarray.Dataset", pair: int) -> np.ndarray:

@@ -15,6 +15,7 @@ from soft.figures.view import Extent, View
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
+    from matplotlib.collections import LineCollection
     from matplotlib.figure import Figure
     from matplotlib.image import AxesImage
 
@@ -238,27 +239,34 @@ def draw_interface(axes: "Axes", view: View, colours: Colours, *, named: bool = 
     if not view.moving.any():
         note(axes, "no moving region found")
         return
-    from matplotlib.patheffects import Normal, Stroke
-
-    casing = Stroke(linewidth=_INTERFACE_WIDTH + 1.4, foreground=colours.interface_casing)
-    style: Any = {
-        "colors": colours.interface,
-        "linewidths": _INTERFACE_WIDTH,
-        "path_effects": [casing, Normal()],
-    }
     if view.lines is not None:
-        from matplotlib.collections import LineCollection
-
-        lines = [view.units.length * line for line in view.lines]
-        axes.add_collection(LineCollection(lines, **style), autolim=False)
+        interface_lines(axes, [view.units.length * line for line in view.lines], colours)
     elif not view.moving.all():  # a region that fills the picture has no boundary within it
         # Where soil ends, at the implement or in the air, it does not shear against soil.
         moving = np.where(view.soil, view.moving, np.nan)
         outline = axes.contour(*view.places, moving, levels=[0.5], colors=[colours.interface])
-        outline.set(linewidths=_INTERFACE_WIDTH, path_effects=[casing, Normal()])
+        outline.set(linewidths=_INTERFACE_WIDTH, path_effects=_cased(colours))
     if named:
         axes.plot([], [], color=colours.interface, linewidth=_INTERFACE_WIDTH, label="shear interface")
         axes.legend(loc="lower left", framealpha=0.9, fontsize=LETTERS - 1)
+
+
+def interface_lines(axes: "Axes", lines: Sequence[np.ndarray], colours: Colours) -> "LineCollection":
+    """Draw lines (N, 2), in the length unit, as a shear interface; others may be set later."""
+    from matplotlib.collections import LineCollection
+
+    drawn = LineCollection(
+        lines, colors=colours.interface, linewidths=_INTERFACE_WIDTH, path_effects=_cased(colours)
+    )
+    axes.add_collection(drawn, autolim=False)
+    return drawn
+
+
+def _cased(colours: Colours) -> Any:
+    """A thin rim around a line, which sets it off from any colour."""
+    from matplotlib.patheffects import Normal, Stroke
+
+    return [Stroke(linewidth=_INTERFACE_WIDTH + 1.4, foreground=colours.interface_casing), Normal()]
 
 
 def draw_arrows(axes: "Axes", view: View, colours: Colours, *, across: int = 26) -> None:

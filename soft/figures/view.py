@@ -19,9 +19,6 @@ DISPLAY_SIDE = 1400
 # The colour scale ends at this percentile of the speeds, as a few wrong vectors would set it otherwise.
 TOP_PERCENTILE = 99.5
 
-DOT = 7
-"""Side of the square that a grid's node is shown as, px."""
-
 Extent = tuple[float, float, float, float]
 
 
@@ -84,7 +81,7 @@ def view_of_pair(
     shown = (arrays["valid"] & arrays["soil"]).to_numpy()
     u, v = (np.where(shown, arrays[name].to_numpy(), np.nan) for name in ("inertial_u", "inertial_v"))
     if "node_x" in flow:
-        u, v = dots(u), dots(v)
+        u, v = (np.where(arrays["soil"], cells(one), np.nan) for one in (u, v))
     return view_of_motion(
         u,
         v,
@@ -132,14 +129,23 @@ def view_of_motion(
     )
 
 
-def dots(values: np.ndarray) -> np.ndarray:
-    """Make of each pixel (H, W) that is not NaN a square: the nodes of a grid, as pixels are hardly seen."""
-    from scipy.ndimage import distance_transform_cdt
+def cells(values: np.ndarray) -> np.ndarray:
+    """Give each pixel (H, W) the value of the nearest one that is not NaN, as far as half-way to the next.
 
+    The nodes of a grid fill the picture so, and each is seen as what it was measured as; where one was not
+    measured, a hole is left.
+    """
+    from scipy.ndimage import distance_transform_cdt
+    from scipy.spatial import KDTree
+
+    held = np.argwhere(np.isfinite(values))
+    if len(held) < 2:
+        return values
+    spacing = np.median(KDTree(held).query(held, k=2)[0][:, 1])
     distance, (row, column) = distance_transform_cdt(
         np.isnan(values), metric="chessboard", return_indices=True
     )
-    return np.where(distance <= DOT // 2, values[row, column], np.nan)
+    return np.where(distance <= spacing / 2, values[row, column], np.nan)
 
 
 def stride_of(shape: tuple[int, ...]) -> int:

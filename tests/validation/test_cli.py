@@ -319,7 +319,7 @@ def test_flow_from_grids(softbed, finished_run, tmp_path):
     assert summary["coverage"] < 0.01 < summary["coverage"] * 12**2
     assert summary["p95"] < 1e-5
     assert summary["wrong_share"]["0.3"] < 0.05
-    assert "shown as dots" in (out / "report.html").read_text()
+    assert "fills its cell" in (out / "report.html").read_text()
     (grids / "grid.toml").write_text("origin = 5\n")
     status, _, error = softbed(*arguments)
     assert "what it depends on has changed" in error

@@ -58,16 +58,17 @@ def test_shares_are_of_nodes_and_coverage_is_of_pixels():
     assert summary.to_dict()["node_count"] == 4
 
 
-def test_a_node_is_shown_as_a_dot():
+def test_a_node_fills_its_cell_within_soil():
     from validation.pair_view import Measured, Motion
 
     error = np.full(SHAPE, np.nan)
-    error[10, 12] = 0.7
-    none = np.zeros(SHAPE)
+    error[10, 4:28:8], error[10, 12] = 0.7, 0.9
+    none, soil = np.zeros(SHAPE), np.ones(SHAPE, bool)
+    soil[:8] = False
     grid, dense = (
-        Measured(Motion(none, none), error, none > 0, 0.0, gridded=gridded) for gridded in (True, False)
+        Measured(Motion(none, none), error, none > 0, 0.0, soil, gridded=gridded) for gridded in (True, False)
     )
     shown = grid.shown(error)
-    assert np.argwhere(np.isfinite(shown))[[0, -1]].tolist() == [[7, 9], [13, 15]]
-    assert np.nanmin(shown) == np.nanmax(shown) == 0.7
+    assert np.argwhere(np.isfinite(shown))[[0, -1]].tolist() == [[8, 0], [14, 24]]
+    assert (shown[8:15, 9:16] == 0.9).all() and (shown[8:15, 17:24] == 0.7).all()
     assert dense.shown(error) is error

@@ -125,10 +125,18 @@ def test_without_masks_there_is_nothing_to_score(make_flow):
     assert not RegionTally.suits(make_flow(np.zeros((2, *SHAPE)), np.zeros((2, *SHAPE))))
 
 
-def test_of_a_grid_only_soil_is_scored(footage, measured, tallied):
+def test_of_a_grid_the_line_is_scored_between_its_nodes(footage, measured, tallied):
     flow = measured([moving_by(60.5)] * 2)
-    score = tallied(RegionTally(), footage, flow.assign(node_x=flow["u"], node_y=flow["u"]))
-    assert score.soil_iou == 1.0 and score.moving_iou is None and score.interface_pair_count == 0
+    held = (X % 8 == 4) & (Y % 8 == 4)
+    nodes = {
+        f"node_{name}": (("pair", "y", "x"), np.stack(2 * [np.where(held, place, np.nan)]))
+        for name, place in (("x", X), ("y", Y))
+    }
+    at_nodes = {name: flow[name].where(held) for name in ("u", "v", "inertial_u", "inertial_v")}
+    flow = flow.assign(nodes | at_nodes | {"valid": flow["valid"] & held})
+    score = tallied(RegionTally(), footage, flow)
+    assert score.soil_iou == 1.0 and score.interface_pair_count == 2
+    assert score.interface_p95 < 1
 
 
 def test_true_regions_use_the_true_camera(make_truth):

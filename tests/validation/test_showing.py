@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
+from soft import ShearInterface
 from soft.figures.units import Units
 from validation.figures import distribution_figure, error_figure, truth_figure
 from validation.pair_view import Measured, Motion, PairView
@@ -23,12 +24,12 @@ def view():
     error = np.zeros(SHAPE)
     error[:, :45] = 0.3
     error[:10, 80:] = np.nan
-    measured = Measured(Motion(u + error, v), error, np.isnan(error), 0.0)
+    measured = Measured(Motion(u + error, v), error, np.isnan(error), 0.0, np.ones(u.shape, bool))
     everywhere, nowhere = np.ones(SHAPE, bool), np.zeros(SHAPE, bool)
     strata = {"all": everywhere, "moving": everywhere, "complex": nowhere, "quiet": nowhere}
     units = Units.of(metres_per_pixel=5e-4, frame_rate=8)
     picture = np.random.default_rng(3).uniform(60, 200, SHAPE)
-    return PairView(0, picture, Motion(u, v), strata, {"dis": measured}, 0.0, units)
+    return PairView(0, picture, Motion(u, v), strata, {"dis": measured}, 0.0, units, ShearInterface((), ""))
 
 
 def titled(figure):

@@ -26,6 +26,8 @@ def film(
 ) -> None:
     """Write a film: picture, measured speed, true speed and error; without truth picture, speed, direction.
 
+    The shear interface is drawn over speed and direction, the measured one and that in the true speeds.
+
     Parameters
     ----------
     subject : Subject
@@ -57,7 +59,7 @@ def film(
     ]
     write_film(
         path, panels, _shots(subject), shape=sequence.shape, units=units,
-        rate=sequence.frame_rate, count=subject.pair_count, progress=progress,
+        rate=sequence.frame_rate, count=subject.pair_count, colours=chosen, progress=progress,
     )  # fmt: skip
 
 
@@ -81,7 +83,7 @@ def truth_film(
         write_film(
             path, [Panel("Picture"), speed, direction_panel(chosen, title="True direction")],
             _true_shots(footage, sequence, units), shape=sequence.shape, units=units,
-            rate=sequence.frame_rate, count=count, progress=progress,
+            rate=sequence.frame_rate, count=count, colours=chosen, progress=progress,
         )  # fmt: skip
 
 
@@ -89,23 +91,29 @@ def _true_shots(footage: "Footage", sequence: "ImageSequence", units: "Units") -
     from soft.figures.film import Shot, label_of
     from soft.figures.view import reduced, smoothed, stride_of
     from validation.pair_view import true_motion
+    from validation.regions import true_interface
+    from validation.strata import find_strata
 
     stride = stride_of(sequence.shape)
     for pair in range(footage.pair_count):
-        motion = true_motion(footage.truth(pair))
+        truth = footage.truth(pair)
+        motion = true_motion(truth)
         maps = (None, reduced(units.speed * motion.speed, stride), reduced(motion.shown_direction, stride))
-        picture = smoothed(sequence[pair], stride)
-        yield Shot(label_of(footage.truths, pair), picture, maps)
+        picture, lines = smoothed(sequence[pair], stride), true_interface(truth, find_strata(truth)).lines
+        yield Shot(label_of(footage.truths, pair), picture, maps, ((), lines, lines))
 
 
 def _shots(subject: Subject) -> "Iterator[Shot]":
+    from soft import shear_interface_of
     from soft.figures.film import Shot, label_of
     from soft.figures.view import smoothed, stride_of
 
     for pair in range(subject.pair_count):
         view = subject.view(pair)
         picture = smoothed(view.picture, stride_of(view.picture.shape))
-        yield Shot(label_of(subject.flow, pair), picture, (None, *_maps(view, subject.method.name)))
+        maps = (None, *_maps(view, subject.method.name))
+        lines = ((), shear_interface_of(subject.flow, pair=pair).lines, view.true_interface.lines)
+        yield Shot(label_of(subject.flow, pair), picture, maps, lines)
 
 
 def _maps(view: "PairView", name: str) -> "Iterator[np.ndarray]":

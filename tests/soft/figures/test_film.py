@@ -8,6 +8,7 @@ import pytest
 from PIL import Image
 
 from soft import FigureError, ImageSequence, analyze, flow_film
+from soft.figures.colours import COLOURS
 from soft.figures.film import FilmPage, Panel, Shot, label_of
 from soft.figures.film_file import film_file
 from soft.figures.units import Units
@@ -87,7 +88,7 @@ def test_other_suffixes_are_refused(tmp_path):
 
 def test_a_page_shows_the_new_values_and_only_them():
     panels = [Panel("Picture"), Panel("Speed", "batlow", "speed [px/frame]", 0.0, 2.0)]
-    page = FilmPage(panels, (40, 60), (40, 60), units=Units(), pixels=800)
+    page = FilmPage(panels, (40, 60), (40, 60), units=Units(), pixels=800, colours=COLOURS["even"])
     grey, speed = np.full((40, 60), 128.0), np.full((40, 60), 2.0)
     first = page.draw(Shot("frame 0", grey, (None, speed)))
     second = page.draw(Shot("frame 0", grey, (None, 0 * speed)))
@@ -95,6 +96,18 @@ def test_a_page_shows_the_new_values_and_only_them():
     differs = np.flatnonzero((first != second).any(axis=(0, 2)))
     assert differs.min() > 400, "the picture's half must stay"
     np.testing.assert_array_equal(page.draw(Shot("frame 0", grey, (None, speed))), first)
+
+
+def test_a_page_draws_the_shear_interface_where_it_is_told():
+    panels = [Panel("Picture"), Panel("Speed", "batlow", "speed [px/frame]", 0.0, 2.0)]
+    page = FilmPage(panels, (40, 60), (40, 60), units=Units(), pixels=800, colours=COLOURS["even"])
+    grey, speed = np.full((40, 60), 128.0), np.full((40, 60), 2.0)
+    line = np.array([[10.0, 20.0], [50.0, 20.0]])
+    without = page.draw(Shot("frame 0", grey, (None, speed)))
+    drawn = page.draw(Shot("frame 0", grey, (None, speed), ((), (line,))))
+    rows, columns = np.nonzero((drawn != without).any(axis=2))
+    assert columns.min() > 400 and np.ptp(rows) < 10 < np.ptp(columns)
+    np.testing.assert_array_equal(page.draw(Shot("frame 0", grey, (None, speed))), without)
 
 
 def test_film_of_a_measurement(moved, tmp_path):
