@@ -136,7 +136,7 @@ def test_of_a_grid_the_line_is_scored_between_its_nodes(footage, measured, talli
     flow = flow.assign(nodes | at_nodes | {"valid": flow["valid"] & held})
     score = tallied(RegionTally(), footage, flow)
     assert score.soil_iou == 1.0 and score.interface_pair_count == 2
-    assert score.interface_p95 < 1
+    assert score.interface_p95 < 3  # nodes are 8 px apart
 
 
 def test_true_regions_use_the_true_camera(make_truth):
