@@ -71,7 +71,7 @@ def analyze(
     soil : str, optional
         `bright`, `dark` or `all`, as in `soil_mask`.
     camera : str, optional
-        `median` or `mode`, as in `to_inertial`.
+        `median`, `mode` or `rigid`, as in `to_inertial`.
     vertical : bool, optional
         Take the vertical camera motion out too, as in `to_inertial`; by default it is left as measured.
     seed : int, optional
@@ -220,7 +220,11 @@ def _attributes(sequence: ImageSequence, settings: PairSettings, told: _Told) ->
 
 
 def _camera_rule(settings: PairSettings) -> str:
-    found = {"median": "median", "mode": "mode (Lorentzian location around it)"}[settings.camera]
+    found = {
+        "median": "median",
+        "mode": "mode (Lorentzian location around it)",
+        "rigid": "rigid (median weighted by how little soil deforms)",
+    }[settings.camera]
     vertical = "taken out too" if settings.vertical else "left as measured"
     return f"{found} of horizontal displacement over soil taken out, vertical {vertical}"
 

@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from soft.location import Location, median_location, mode_locations
+from soft.rigid_soil import rigidity
 
-CAMERA_CHOICES = ("median", "mode")
+CAMERA_CHOICES = ("median", "mode", "rigid")
 
 
 @dataclass(frozen=True, eq=False)
@@ -52,7 +53,9 @@ def to_inertial(
         horizontally, and a vertical median would hide soil that settles as a whole.
     camera : str, optional
         `median` over soil, as most soil in view rests (section 2.2); or `mode`, the motion that most soil
-        shares, which is right where more than half of it moves, as moving soil moves in many ways.
+        shares, which is right where more than half of it moves, as moving soil moves in many ways; or
+        `rigid`, the median in which soil counts the less the more it deforms (`soft.rigid_soil`), which
+        is right where soil gives way over half of the picture.
 
     Raises
     ------
@@ -62,15 +65,19 @@ def to_inertial(
     if camera not in CAMERA_CHOICES:
         raise ValueError(f"camera: {camera!r}: allowed are {', '.join(CAMERA_CHOICES)}")
     on_soil = np.where((soil & np.isfinite(displacement).all(axis=2))[:, :, None], displacement, np.nan)
-    u, v = _located(on_soil, vertical=vertical, camera=camera)
+    u, v = _located(on_soil, soil, vertical=vertical, camera=camera)
     moved = np.array([u.value, v.value], dtype=np.float32)
     inertial = displacement.astype(np.float32) - moved
     return InertialMotion(u.value, v.value, u.low, u.high, v.low, v.high, inertial)
 
 
-def _located(on_soil: np.ndarray, *, vertical: bool, camera: str) -> tuple[Location, Location]:
+def _located(
+    on_soil: np.ndarray, soil: np.ndarray, *, vertical: bool, camera: str
+) -> tuple[Location, Location]:
     as_measured = Location(0.0, np.nan, np.nan)
     if camera == "mode":
         u, v = mode_locations(on_soil)
         return u, v if vertical else as_measured
-    return median_location(on_soil[:, :, 0]), median_location(on_soil[:, :, 1]) if vertical else as_measured
+    weight = rigidity(on_soil, soil) if camera == "rigid" else None
+    u, v = on_soil[:, :, 0], on_soil[:, :, 1]
+    return median_location(u, weight), median_location(v, weight) if vertical else as_measured

@@ -47,7 +47,7 @@ class Location:
 UNKNOWN = Location(np.nan, np.nan, np.nan)
 
 
-def median_location(field: np.ndarray) -> Location:
+def median_location(field: np.ndarray, weight: np.ndarray | None = None) -> Location:
     """Median, and the interval between the order statistics that bound it with 95 % confidence.
 
     The share of values below the median would be 1/2 but for errors; by how much it errs is told by blocks.
@@ -58,19 +58,36 @@ def median_location(field: np.ndarray) -> Location:
     ----------
     field : (H, W) array
         NaN where there is no value.
+    weight : (H, W) array, optional
+        How much each counts, 0 or more; all alike by default.
     """
-    values = field[np.isfinite(field)]
+    counted = np.isfinite(field) if weight is None else np.isfinite(field) & (weight > 0)
+    values = field[counted]
     if not values.size:
         return UNKNOWN
-    median = float(np.median(values))
+    weights = None if weight is None else weight[counted].astype(np.float64)
+    median = float(_quantiles(values, weights, [0.5])[0])
     with np.errstate(invalid="ignore"):
         # Half of the values that are the median itself lie on either side.
         side = ((field > median).astype(np.float64) - (field < median)) / 2
-    half = _half_width(side, np.isfinite(field)) / values.size
+    if weight is not None:
+        side = np.where(counted, side * weight, 0.0)
+    half = _half_width(side, counted) / (values.size if weights is None else float(weights.sum()))
     if not np.isfinite(half):
         return Location(median, np.nan, np.nan)
-    low, high = np.quantile(values, [max(0.0, 0.5 - half), min(1.0, 0.5 + half)])
+    low, high = _quantiles(values, weights, [max(0.0, 0.5 - half), min(1.0, 0.5 + half)])
     return Location(median, float(low), float(high))
+
+
+def _quantiles(values: np.ndarray, weights: np.ndarray | None, shares: list[float]) -> np.ndarray:
+    """Values (N,) below which so much of the weight lies; between two, in proportion."""
+    if weights is None:
+        return np.asarray(np.quantile(values, shares))
+    order = np.argsort(values)
+    weights = weights[order]
+    # Each value stands in the middle of its own weight.
+    below = (np.cumsum(weights) - weights / 2) / weights.sum()
+    return np.interp(shares, below, values[order])
 
 
 def mode_locations(fields: np.ndarray) -> tuple[Location, Location]:

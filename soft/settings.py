@@ -97,8 +97,10 @@ class SoilSettings(_Table):
 class CameraSettings(_Table):
     """The camera's own motion."""
 
-    motion: Literal["median", "mode"] = Field(
-        "median", description="median over soil; or mode: what most soil shares, where over half of it moves"
+    motion: Literal["median", "mode", "rigid"] = Field(
+        "median",
+        description="median over soil; or, where over half of it moves, mode: what most soil shares, "
+        "or rigid: median of soil by how little it deforms",
     )
     vertical: bool = Field(False, description="take its vertical motion out, too")
 

@@ -64,6 +64,18 @@ def test_values_that_are_all_alike():
     assert u.high - u.low < 1e-6
 
 
+def test_weights_of_one_change_nothing_and_others_count():
+    field = errors(np.random.default_rng(6), 3)
+    plain, weighted = median_location(field), median_location(field, np.full(field.shape, 0.5))
+    for name in ("value", "low", "high"):
+        assert getattr(weighted, name) == pytest.approx(getattr(plain, name), abs=2e-4)
+    half = np.zeros(field.shape)
+    half[:, 80:] = 1.0
+    field[:, :80] += 5.0
+    assert median_location(field, half).value == pytest.approx(np.median(field[:, 80:]), abs=1e-4)
+    assert np.isnan(median_location(field, 0 * half).value)
+
+
 def test_nothing_and_too_little():
     field = np.full((64, 64), np.nan)
     assert np.isnan(median_location(field).value)

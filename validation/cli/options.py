@@ -51,10 +51,10 @@ Vertical = Annotated[
     ),
 ]
 Camera = Annotated[
-    Literal["median", "mode"] | None,
+    Literal["median", "mode", "rigid"] | None,
     typer.Option(
-        help="Its motion: median over soil, or what most soil shares (mode), where over half of it moves.  "
-        "[default: median]",
+        help="Its motion: median over soil; or, where over half of it moves, what most soil shares (mode), "
+        "or the median of soil that hardly deforms (rigid).  [default: median]",
         show_default=False,
     ),
 ]
