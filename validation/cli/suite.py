@@ -14,7 +14,7 @@ from validation.terminal import Terminal
 @app.command()
 def suite(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="smoke, complex, or anchor (finds the severity `paper`).")
+        str, typer.Argument(metavar="NAME", help="smoke, paper, complex, or anchor (finds the severity `paper`).")
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="A folder; several suites may share it.")],
     method: Methods = None,
@@ -49,7 +49,12 @@ def suite(
 def _show(document: dict[str, Any], out: Path, terminal: Terminal) -> None:
     from validation.suites.results import results_table
 
-    terminal.show(results_table(document))
+    if "verdicts" in document:
+        from validation.suites.paper.conclusion import verdict_lines
+
+        terminal.show(verdict_lines(document))
+    else:
+        terminal.show(results_table(document))
     for failure in document["failures"]:
         terminal.show(f"failed: {failure['name']}: {failure['reason']}")
     terminal.show(f"{out / document['suite']}.html, .csv, .nc, .json")

@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import replace
 
 from validation.suites.anchor import anchor_suite
+from validation.suites.paper.plan import paper_suite
 from validation.suites.plan import Motion, Realisation, Suite
 
 SEEDS = (1, 2)
@@ -85,6 +86,7 @@ def _variations(quick: bool, seeds: tuple[int, ...], picture_seeds: tuple[int, .
 
 SUITES: dict[str, Callable[[bool], Suite]] = {
     "smoke": _smoke,
+    "paper": paper_suite,
     "complex": _complex,
     "anchor": anchor_suite,
 }

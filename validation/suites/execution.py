@@ -201,6 +201,7 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
         look.method,
         pair_count=look.pair_count,
         periods=_periods(scene),
+        further=look.further,
         scratch=scratch,
         threads=task.threads,
     )

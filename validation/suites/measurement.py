@@ -3,6 +3,7 @@
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -22,6 +23,8 @@ if TYPE_CHECKING:
     from validation.suites.plan import Realisation
 
 SCHEMA_VERSION = 1
+Further = Callable[["Footage", "xr.Dataset"], "xr.Dataset"]
+"""What else is measured: from footage and a SoilFlow of its first pairs, variables of names of their own."""
 _QUANTITIES = {
     "pixel_count": "pixels of the stratum, measured or not",
     "coverage": "share of them that was measured",
@@ -56,6 +59,7 @@ def measure(
     *,
     pair_count: int | None = None,
     periods: np.ndarray | None = None,
+    further: Sequence[str] = (),
     scratch: Path,
     threads: int,
     progress: Callable[[int, int], None] | None = None,
@@ -68,6 +72,8 @@ def measure(
         Only so many of its pairs, from the first on.
     periods : (W,) array, optional
         Of footage whose strain alternates: its period in each column, px. Then the response is kept, too.
+    further : sequence of str
+        What else is measured, `package.module:function` each, a `Further`.
     scratch : Path
         A folder that the soil flow lies in meanwhile.
 
@@ -96,6 +102,7 @@ def measure(
             if periods is not None:
                 responses.append(response_sums(truth, measured, periods))
         facts = {name: flow.attrs[name] for name in ("method", "options", "versions")}
+        others = [_imported(name)(footage, flow) for name in further]
     path.unlink()
     found = _table(scores, seconds / count)
     if places:
@@ -104,7 +111,15 @@ def measure(
         facts |= worst.attrs
     if responses:
         found = found.merge(sum(responses[1:], responses[0]))
+    for other in others:
+        found = found.merge(other)
+        facts |= other.attrs
     return found.assign_attrs(facts)
+
+
+def _imported(name: str) -> Further:
+    module, _, function = name.partition(":")
+    return getattr(import_module(module), function)
 
 
 def _table(scores: "Sequence[dict[str, ErrorSummary]]", seconds: float) -> "xr.Dataset":

@@ -124,11 +124,14 @@ class Look:
         As `soft.analyze` takes it.
     pair_count : int or None
         Only so many pairs, from the first on; None: all.
+    further : tuple of str
+        What else is measured, `package.module:function` each; see `validation.suites.measurement.Further`.
     """
 
     realisation: Realisation
     method: str
     pair_count: int | None = None
+    further: tuple[str, ...] = ()
 
     @property
     def name(self) -> str:
@@ -147,6 +150,7 @@ class Look:
             frames=[frames.start, frames.stop, frames.step],
             method=self.method,
             pair_count=self.pair_count,
+            **({"further": list(self.further)} if self.further else {}),
         )
 
 

@@ -43,6 +43,10 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
         "machine": machine(),
         **headline_document(headlines(lines), compared),
     }
+    if suite.name == "paper":
+        from validation.suites.paper.results import conclude
+
+        document |= conclude(suite, out, failures, command=command)
     _replace(out / f"{suite.name}.csv", lambda path: write_csv(lines, path))
     if lines:
         _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
@@ -50,7 +54,7 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
     _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
     if suite.name == "anchor" and lines and not failures:
         _replace(out / anchor.FILE, lambda path: anchor.write_anchor(lines, path))
-    if lines:
+    if lines and suite.name != "paper":  # which has a page of its own
         page = partial(write_suite_report, suite=suite, out=out, lines=lines, comparisons=compared)
         _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
     return document

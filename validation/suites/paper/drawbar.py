@@ -1,0 +1,73 @@
+"""Drawbar pull of the rover, rolling and push-rolling (section 4.1.1, Fig. 17); where a rover is there."""
+
+import json
+from collections.abc import Mapping
+from importlib.util import find_spec
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from validation.statistics import Interval
+from validation.suites.paper.experiment import Experiment
+from validation.suites.paper.found import Found
+from validation.suites.paper.verdict import JUDGED, Told, Variant
+
+COMMAND = "validation.cli.drawbar"
+"""The module of the command that drives the rover."""
+FILE = "drawbar.json"
+"""What `softbed drawbar OUT --json` gives, put into the suite's folder."""
+GAITS, WHEELS = ("rolling", "inching"), ("rigid", "pneumatic")
+
+
+def experiments() -> tuple[Experiment, ...]:
+    """The experiment, if this version has a rover that can pull; none before."""
+    return (EXPERIMENT,) if find_spec(COMMAND) is not None else ()
+
+
+def _tell(found: Found, variant: Variant) -> list[Told]:
+    path = found.out / FILE
+    if variant != JUDGED or not path.is_file():  # no pictures, no method: told once
+        return []
+    return told_by(read_maxima(path))
+
+
+def read_maxima(path: Path) -> dict[str, float]:
+    """Largest drawbar pull / weight of every gait on every wheel, the mean over laws."""
+    document: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    maxima: dict[str, list[float]] = {}
+    for curve in document["curves"]:
+        maxima.setdefault(f"{curve['gait']}_{curve['wheel']}", []).append(float(curve["maximum"]))
+    return {name: float(np.mean(values)) for name, values in maxima.items()}
+
+
+def told_by(maxima: Mapping[str, float]) -> list[Told]:
+    """Maxima, and what push-rolling gains."""
+    told = [Told(name, _point(value)) for name, value in maxima.items()]
+    for wheel in WHEELS:
+        rolling, inching = (maxima.get(f"{gait}_{wheel}") for gait in GAITS)
+        if rolling and inching:
+            told.append(Told(f"gain_{wheel}", _point(inching / rolling)))
+    return told
+
+
+def _point(value: float) -> Interval:
+    return Interval(value, np.nan, np.nan, 1, 0)
+
+
+EXPERIMENT = Experiment(
+    name="drawbar",
+    title="Drawbar pull of a rover",
+    figures="Fig. 17, section 4.1.1",
+    about=(
+        "The rover pulls a load as it rolls, and as it push-rolls. From the file drawbar.json of this folder, which "
+        "`softbed drawbar OUT --json` gives."
+    ),
+    table="paper_drawbar",
+    quantities=(
+        *(f"{gait}_{wheel}" for wheel in WHEELS for gait in GAITS),
+        *(f"gain_{wheel}" for wheel in WHEELS),
+    ),
+    tell=_tell,
+    draw=lambda _: [],
+)

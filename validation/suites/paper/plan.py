@@ -1,0 +1,83 @@
+"""What the suite `paper` looks at, and with how many pairs: `soft-2014` takes half a minute each."""
+
+from dataclasses import dataclass
+
+from validation.suites.paper import averaging, bucket, piv, rotation, shown, sift, speed, thrust
+from validation.suites.paper.verdict import JUDGED
+from validation.suites.plan import Look, Motion, Realisation, Suite
+
+SEVERITIES = (JUDGED.severity, "clean")
+METHODS = (JUDGED.method, "robust-affine")
+
+
+@dataclass(frozen=True)
+class Series:
+    """Pictures of one scene.
+
+    Attributes
+    ----------
+    scene : str
+    pair_counts : (int, int)
+        At severity `paper` and on clean pictures.
+    quick_pair_counts : (int, int)
+        The same of the quick suite.
+    further : tuple of str
+        What is measured besides errors.
+    seeds, picture_seeds : tuple of int
+        Of the motion, and of its pictures.
+    """
+
+    scene: str
+    pair_counts: tuple[int, int]
+    quick_pair_counts: tuple[int, int]
+    further: tuple[str, ...]
+    seeds: tuple[int, ...] = (1,)
+    picture_seeds: tuple[int, ...] = (0,)
+
+
+# Longest first, so that no process is left with a long one at the end.
+SERIES = (
+    Series("rolling_wheel", (100, 8), (8, 2), (averaging.MEASURE, sift.MEASURE, thrust.MEASURE)),
+    Series("compliant_wheel", (100, 8), (8, 2), (averaging.MEASURE,)),
+    Series("bucket", (16, 8), (4, 2), (bucket.MEASURE,)),
+    Series("constant_speed", (50, 8), (8, 2), (speed.MEASURE,)),
+    Series("pushed_wheel", (16, 8), (4, 2), (thrust.MEASURE,)),
+    *(
+        Series(plate, (1, 1), (1, 1), (rotation.MEASURE,), seeds=(1, 2), picture_seeds=(0, 1, 2, 3))
+        for plate in rotation.PLATES
+    ),
+)
+
+
+class PaperSuite(Suite):
+    """A suite whose looks also measure what the experiments need; PIV looks at the plate."""
+
+    def _looks_at(self, realisation: Realisation) -> list[Look]:
+        further = _FURTHER[realisation.motion.scene]
+        if realisation.picture_seed == 0:
+            further = (shown.MEASURE, *further)
+        looks = [Look(realisation, method, further=further) for method in self.methods]
+        if realisation.motion.scene == piv.SCENE:
+            looks += [Look(realisation, method) for method in piv.METHODS.values()]
+        return looks
+
+
+_FURTHER = {series.scene: series.further for series in SERIES}
+
+
+def paper_suite(quick: bool) -> PaperSuite:
+    """Every experiment; severity `paper` and clean."""
+    realisations = tuple(one for series in SERIES for one in _realisations(series, quick))
+    about = "the published numbers of the soil optical flow technique beside ours"
+    return PaperSuite("paper", about, realisations, METHODS)
+
+
+def _realisations(series: Series, quick: bool) -> list[Realisation]:
+    counts = series.quick_pair_counts if quick else series.pair_counts
+    seeds = series.seeds[:1] if quick else series.seeds
+    return [
+        Realisation(Motion(series.scene, seed, quick), picture_seed, severity, pair_count=count)
+        for seed in seeds
+        for picture_seed in series.picture_seeds
+        for severity, count in zip(SEVERITIES, counts, strict=True)
+    ]

@@ -1,0 +1,156 @@
+"""Published numbers beside ours, and the verdict by a rule that is fixed before running.
+
+Reproduced: the interval that the source allows for and ours overlap. Else it differs; by how much is told,
+and why, as far as we know. Judged is `soft-2014`, what the authors ran as far as their text tells, on pictures
+of the severity `paper`; what others give, or clean pictures, stands beside.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from validation.published import Published
+from validation.statistics import Interval
+
+REPRODUCED, DIFFERS, NOT_MEASURED = "reproduced", "differs", "not measured"
+_WIDE = 1e6
+"""Beyond this a bound is none that a person would print."""
+
+
+@dataclass(frozen=True)
+class Variant:
+    """How something was measured.
+
+    Attributes
+    ----------
+    method : str
+        As `soft.analyze` takes it.
+    severity : str
+        Of the pictures.
+    """
+
+    method: str
+    severity: str
+
+
+JUDGED = Variant("soft-2014", "paper")
+
+
+@dataclass(frozen=True)
+class Told:
+    """One of our numbers.
+
+    Attributes
+    ----------
+    quantity : str
+        As the table of published numbers calls it.
+    interval : Interval
+    case : str
+        What tells it from others of the same quantity: a soil.
+    """
+
+    quantity: str
+    interval: Interval
+    case: str = ""
+
+
+@dataclass(frozen=True)
+class Row:
+    """A published number, ours, and what follows.
+
+    Attributes
+    ----------
+    experiment : str
+        Its name.
+    published : Published
+    case : str
+        As of `Told`.
+    variant : Variant
+    ours : Interval or None
+        None: not measured.
+    verdict, reason : str
+    """
+
+    experiment: str
+    published: Published
+    case: str
+    variant: Variant
+    ours: Interval | None
+    verdict: str
+    reason: str
+
+
+def judge(published: Published, ours: Interval | None) -> str:
+    """Whether both intervals overlap; a number without an interval is a point."""
+    if ours is None or np.isnan(ours.value):
+        return NOT_MEASURED
+    low, high = bounds(ours)
+    return REPRODUCED if low <= published.high and published.low <= high else DIFFERS
+
+
+def bounds(ours: Interval) -> tuple[float, float]:
+    """The ends of an interval; the value itself where it has none."""
+    return (ours.value, ours.value) if np.isnan(ours.low) else (ours.low, ours.high)
+
+
+def reason(published: Published, ours: Interval | None, causes: Mapping[tuple[str, str], str]) -> str:
+    """By how much a number differs, and why.
+
+    Parameters
+    ----------
+    causes : mapping
+        What is known of why, by quantity and side (`above` or `below` what is published).
+    """
+    if judge(published, ours) != DIFFERS or ours is None:
+        return ""
+    low, high = bounds(ours)
+    side = "above" if low > published.high else "below"
+    gap = low - published.high if side == "above" else published.low - high
+    unit = "" if published.unit == "1" else f" {published.unit}"
+    cause = causes.get((published.quantity, side), "")
+    return f"{side} by {gap:.2g}{unit}" + (f": {cause}" if cause else "")
+
+
+def difference(first: Interval, second: Interval) -> Interval:
+    """First less second, of simulations that know nothing of each other: half-widths add as squares do."""
+    value = first.value - second.value
+    half = float(np.hypot(*((one.high - one.low) / 2 for one in (first, second))))
+    count = min(first.realisation_count, second.realisation_count)
+    return Interval(value, value - half, value + half, count, first.pair_count + second.pair_count)
+
+
+def ratio(first: Interval, second: Interval) -> Interval:
+    """First over second, both above zero, likewise: relative half-widths add as squares do."""
+    value = first.value / second.value
+    spread = float(np.hypot(*((one.high - one.low) / 2 / one.value for one in (first, second))))
+    count = min(first.realisation_count, second.realisation_count)
+    return Interval(
+        value, value / (1 + spread), value * (1 + spread), count, first.pair_count + second.pair_count
+    )
+
+
+def published_words(published: Published) -> str:
+    """The published number as a table shows it."""
+    low, high = (_number(bound) for bound in (published.low, published.high))
+    if not np.isnan(published.value) and published.low <= published.value <= published.high:
+        if published.low == published.high or np.isinf(published.high):
+            return ("≥ " if np.isinf(published.high) else "") + _number(published.value)
+        return f"{_number(published.value)} ({low} to {high})"
+    return f"above {low}" if np.isinf(published.high) else f"{low} to {high}"
+
+
+def our_words(ours: Interval | None) -> str:
+    """Our number as a table shows it."""
+    if ours is None or np.isnan(ours.value):
+        return "-"
+    value = _number(ours.value)
+    if np.isnan(ours.low):
+        return value
+    return f"{value} ({_number(ours.low)} to {_number(ours.high)})"
+
+
+def _number(value: float) -> str:
+    if abs(value) >= _WIDE:
+        return "∞"
+    return f"{value:.3f}" if abs(value) < 1 else f"{value:.3g}"
