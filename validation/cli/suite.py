@@ -14,7 +14,8 @@ from validation.terminal import Terminal
 @app.command()
 def suite(
     name: Annotated[
-        str, typer.Argument(metavar="NAME", help="smoke, paper, complex, or anchor (finds the severity `paper`).")
+        str,
+        typer.Argument(metavar="NAME", help="smoke, paper, complex, or anchor (finds the severity `paper`)."),
     ],
     out: Annotated[Path, typer.Argument(metavar="OUT", help="A folder; several suites may share it.")],
     method: Methods = None,

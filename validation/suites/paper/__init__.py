@@ -1,1 +1,1 @@
-"""The suite `paper`: every published number of the soil optical flow technique beside ours, with a verdict."""
+"""The suite `paper`: every published number of the soil optical flow technique beside ours, and a verdict."""

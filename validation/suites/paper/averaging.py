@@ -30,8 +30,9 @@ _OFF_THE_RIM = 5.0
 
 def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
     """Average over all pairs; tell what that gains by the data alone and against the truth."""
-    import soft
     import xarray as xr
+
+    import soft
 
     mean = soft.average_flow(flow)
     score = score_averaging(footage, {"this": flow})["this"]
@@ -135,8 +136,8 @@ def _draw(found: Found) -> list[Panel]:
     }
     if curves:
         caption = (
-            "Root mean square error of means over N pairs, against the mean truth, all soil. Dashed: falling as one "
-            "over the square root of N, as independent errors would."
+            "Root mean square error of means over N pairs, against the mean truth, all soil. Dashed: "
+            "falling as one over the square root of N, as independent errors would."
         )
         panels.append(Panel.of("Noise against the number of pairs", caption, draw_gains(curves)))
     return panels
@@ -164,8 +165,8 @@ EXPERIMENT = Experiment(
     title="Signal averaging",
     figures="Figs. 12-13, section 3.3",
     about=(
-        "Vectors averaged over successive pairs in the wheel's frame. Soil speed is what 1 % of the soil exceeds, in "
-        "the average, 5 px and more from the soil's outline."
+        "Vectors averaged over successive pairs in the wheel's frame. Soil speed is what 1 % of the soil "
+        "exceeds, in the average, 5 px and more from the soil's outline."
     ),
     table="paper_averaging",
     quantities=("lost", "compliant_over_rigid", "compliant_single", "compliant_average"),
@@ -174,12 +175,14 @@ EXPERIMENT = Experiment(
     find=_find,
     causes={
         ("lost", "below"): (
-            "more than the square root of N is gained: successive pairs share a picture, whose noise comes into "
-            "both with opposite signs and goes out of their sum; the authors reckoned with independent errors"
+            "more than the square root of N is gained: successive pairs share a picture, whose noise "
+            "comes into both with opposite signs and goes out of their sum; the authors reckoned with "
+            "independent errors"
         ),
         ("lost", "above"): "errors of the method that are alike in every pair do not average out",
         ("compliant_over_rigid", "above"): (
-            "how soft the authors' wheel was is not told; ours flattens by 30 % of its radius and moves more soil"
+            "how soft the authors' wheel was is not told; ours flattens by 30 % of its radius and moves "
+            "more soil"
         ),
         (
             "compliant_over_rigid",

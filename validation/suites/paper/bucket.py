@@ -72,8 +72,8 @@ def _find(found: Found) -> list[str]:
     if not true["forward"].pair_count:
         return []
     return [
-        f"In truth, {true['forward'].value:.1%} of the pile goes forward, {true['fore_up'].value:.1%} of its fore up, "
-        f"{true['rear_down'].value:.1%} of its rear down."
+        f"In truth, {true['forward'].value:.1%} of the pile goes forward, {true['fore_up'].value:.1%} of "
+        f"its fore up, {true['rear_down'].value:.1%} of its rear down."
     ]
 
 
@@ -82,8 +82,8 @@ EXPERIMENT = Experiment(
     title="Excavation with a bucket",
     figures="Fig. 20, section 4.2",
     about=(
-        "A bucket cuts at constant depth, and soil piles up ahead of it. Cut angle, depth and size of ours are assumed: "
-        "the paper refers to another for them."
+        "A bucket cuts at constant depth, and soil piles up ahead of it. Cut angle, depth and size of "
+        "ours are assumed: the paper refers to another for them."
     ),
     table="paper_bucket",
     quantities=_NUMBERS,

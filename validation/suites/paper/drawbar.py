@@ -60,8 +60,8 @@ EXPERIMENT = Experiment(
     title="Drawbar pull of a rover",
     figures="Fig. 17, section 4.1.1",
     about=(
-        "The rover pulls a load as it rolls, and as it push-rolls. From the file drawbar.json of this folder, which "
-        "`softbed drawbar OUT --json` gives."
+        "The rover pulls a load as it rolls, and as it push-rolls. From the file drawbar.json of this "
+        "folder, which `softbed drawbar OUT --json` gives."
     ),
     table="paper_drawbar",
     quantities=(

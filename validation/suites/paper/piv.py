@@ -121,8 +121,8 @@ def _draw(found: Found) -> list[Panel]:
     if not any(len(curve) > 1 for curve in curves.values()):
         return []
     caption = (
-        f"95 % error against vectors a picture: windows of {', '.join(map(str, SIDES))} px from left to right, then "
-        f"{JUDGED.method}, a vector at every pixel."
+        f"95 % error against vectors a picture: windows of {', '.join(map(str, SIDES))} px from left to "
+        f"right, then {JUDGED.method}, a vector at every pixel."
     )
     return [Panel.of("Density against accuracy", caption, draw_trade_off(curves))]
 
@@ -131,8 +131,8 @@ def _find(found: Found) -> list[str]:
     sentences = []
     for severity in (JUDGED.severity, "clean"):
         told = [
-            f"{_error(found, side, severity).value:.2f} px with {vector_count(found, Variant(METHODS[side], severity)):.0f} "
-            f"vectors of {side} px"
+            f"{_error(found, side, severity).value:.2f} px with "
+            f"{vector_count(found, Variant(METHODS[side], severity)):.0f} vectors of {side} px"
             for side in SIDES
             if _error(found, side, severity).pair_count
         ]
@@ -146,8 +146,8 @@ EXPERIMENT = Experiment(
     title="PIV's trade-off",
     figures="section 1",
     about=(
-        "PIV tells one vector a window: large windows are sure and few, small ones are many and fail. White et al. moved "
-        "soil straight, here it turns by 0.029 rad; windows lie side by side on GRC-1."
+        "PIV tells one vector a window: large windows are sure and few, small ones are many and fail. "
+        "White et al. moved soil straight, here it turns by 0.029 rad; windows lie side by side on GRC-1."
     ),
     table="paper_piv",
     quantities=("coarse", "fine", "growth", "every_pixel"),
@@ -156,7 +156,8 @@ EXPERIMENT = Experiment(
     find=_find,
     causes={
         ("coarse", "above"): (
-            "the plate turns: the edges of a window of 47 px move by 0.7 px against its middle; and pictures are noisy"
+            "the plate turns: the edges of a window of 47 px move by 0.7 px against its middle; and "
+            "pictures are noisy"
         ),
         ("fine", "below"): "our texture is fine and rich in contrast: windows of 15 px are still told apart",
         ("growth", "below"): "as for both errors: the trade-off is there, and smaller than published",

@@ -23,6 +23,8 @@ class Series:
         The same of the quick suite.
     further : tuple of str
         What is measured besides errors.
+    first : int
+        Frame of the recording that they start at.
     seeds, picture_seeds : tuple of int
         Of the motion, and of its pictures.
     """
@@ -31,17 +33,18 @@ class Series:
     pair_counts: tuple[int, int]
     quick_pair_counts: tuple[int, int]
     further: tuple[str, ...]
+    first: int = 0
     seeds: tuple[int, ...] = (1,)
     picture_seeds: tuple[int, ...] = (0,)
 
 
 # Longest first, so that no process is left with a long one at the end.
 SERIES = (
-    Series("rolling_wheel", (100, 8), (8, 2), (averaging.MEASURE, sift.MEASURE, thrust.MEASURE)),
-    Series("compliant_wheel", (100, 8), (8, 2), (averaging.MEASURE,)),
-    Series("bucket", (16, 8), (4, 2), (bucket.MEASURE,)),
-    Series("constant_speed", (50, 8), (8, 2), (speed.MEASURE,)),
-    Series("pushed_wheel", (16, 8), (4, 2), (thrust.MEASURE,)),
+    Series("rolling_wheel", (100, 8), (8, 1), (averaging.MEASURE, sift.MEASURE, thrust.MEASURE)),
+    Series("compliant_wheel", (100, 8), (8, 1), (averaging.MEASURE,)),
+    Series("bucket", (16, 8), (4, 1), (bucket.MEASURE,)),
+    Series("constant_speed", (50, 8), (8, 1), (speed.MEASURE,)),
+    Series("pushed_wheel", (14, 8), (4, 1), (thrust.MEASURE,), first=2),
     *(
         Series(plate, (1, 1), (1, 1), (rotation.MEASURE,), seeds=(1, 2), picture_seeds=(0, 1, 2, 3))
         for plate in rotation.PLATES
@@ -76,7 +79,7 @@ def _realisations(series: Series, quick: bool) -> list[Realisation]:
     counts = series.quick_pair_counts if quick else series.pair_counts
     seeds = series.seeds[:1] if quick else series.seeds
     return [
-        Realisation(Motion(series.scene, seed, quick), picture_seed, severity, pair_count=count)
+        Realisation(Motion(series.scene, seed, quick), picture_seed, severity, series.first, count)
         for seed in seeds
         for picture_seed in series.picture_seeds
         for severity, count in zip(SEVERITIES, counts, strict=True)

@@ -95,8 +95,8 @@ def _content(sections: list[Section], found: Found, conclusion: Conclusion) -> d
     return {
         "title": "The paper, again",
         "description": (
-            "Every published number of the soil optical flow technique (Skonieczny et al., Journal of Field Robotics "
-            "31(5), 2014) beside ours, from pictures whose true motion is known."
+            "Every published number of the soil optical flow technique (Skonieczny et al., Journal of "
+            "Field Robotics 31(5), 2014) beside ours, from pictures whose true motion is known."
         ),
         "facts": facts,
         "sentence": conclusion.sentence,

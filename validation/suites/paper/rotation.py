@@ -135,8 +135,9 @@ def _find(found: Found) -> list[str]:
         )
         if noisy.pair_count and clean.pair_count:
             sentences.append(
-                f"{soil}: the median error is {noisy.value:.3f} px at severity paper and {clean.value:.3f} px on "
-                f"clean pictures: {1 - (clean.value / noisy.value) ** 2:.0%} of its square is the pictures' noise."
+                f"{soil}: the median error is {noisy.value:.3f} px at severity paper and {clean.value:.3f} "
+                f"px on clean pictures: {1 - (clean.value / noisy.value) ** 2:.0%} of its square is the "
+                "pictures' noise."
             )
     return sentences
 
@@ -167,8 +168,8 @@ EXPERIMENT = Experiment(
             "noise alone spreads errors a little wider about the median than the authors' pictures did"
         ),
         ("slope_of_error_on_motion", "below"): (
-            "a sensor's noise does not grow with motion; what did in the authors' pictures (lens, lighting that "
-            "stays while soil turns) is not known"
+            "a sensor's noise does not grow with motion; what did in the authors' pictures (lens, "
+            "lighting that stays while soil turns) is not known"
         ),
         ("determination_of_that_slope", "below"): "as for the slope",
         ("signal_to_noise_95", "below"): "the 95 % error lies above 0.3 px",

@@ -41,8 +41,9 @@ def _chosen(count: int) -> list[int]:
 
 
 def _pair(footage: "Footage", flow: "xr.Dataset", pair: int) -> "xr.Dataset":
-    import soft
     import xarray as xr
+
+    import soft
 
     truth, found = footage.truth(pair), flow.isel(pair=pair).load()
     compared = soft.cross_validate(
@@ -141,8 +142,8 @@ def _draw(found: Found) -> list[Panel]:
     }
     if rows:
         caption = (
-            "Left: share of the features in each kind of flow at which the two disagree. Right: of those, the share "
-            "at which SIFT is farther from the truth than the flow is."
+            "Left: share of the features in each kind of flow at which the two disagree. Right: of those, "
+            "the share at which SIFT is farther from the truth than the flow is."
         )
         panels.append(Panel.of("Where they disagree, and who is wrong", caption, draw_disagreements(rows)))
     return panels
@@ -191,8 +192,8 @@ def _find(found: Found) -> list[str]:
         if np.isfinite(share)
     )
     return [
-        f"Yes, disagreements crowd where the truth says that flow is complex: {told}. Who is wrong there, the "
-        f"authors could not know: it is SIFT at {wrong} of the points that disagree."
+        f"Yes, disagreements crowd where the truth says that flow is complex: {told}. Who is wrong there, "
+        f"the authors could not know: it is SIFT at {wrong} of the points that disagree."
     ]
 
 
@@ -201,10 +202,10 @@ EXPERIMENT = Experiment(
     title="Cross-validation with SIFT",
     figures="Fig. 11, section 3.2",
     about=(
-        "Features that can be told from all others are followed from picture to picture, and their motion is "
-        "compared with the flow at the nearest pixel. The authors dyed a part of the sand black to have more "
-        "features; ours is as it is. Complex: within 3 px of the wheel, or of a gradient of the true motion above "
-        "0.1 px/px; moving: more than 1 px a pair."
+        "Features that can be told from all others are followed from picture to picture, and their motion "
+        "is compared with the flow at the nearest pixel. The authors dyed a part of the sand black to "
+        "have more features; ours is as it is. Complex: within 3 px of the wheel, or of a gradient of the "
+        "true motion above 0.1 px/px; moving: more than 1 px a pair."
     ),
     table="paper_sift",
     quantities=("agreement", "disagreements_in_complex_flow"),
@@ -214,7 +215,8 @@ EXPERIMENT = Experiment(
     causes={
         ("agreement", "below"): "noise displaces features, too: where the flow is right, SIFT often is not",
         ("disagreements_in_complex_flow", "below"): (
-            "with noise, SIFT alone errs by more than 0.56 px now and then anywhere, and most soil in view rests"
+            "with noise, SIFT alone errs by more than 0.56 px now and then anywhere, and most soil in "
+            "view rests"
         ),
     },
 )

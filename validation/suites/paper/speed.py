@@ -85,8 +85,8 @@ def _draw(found: Found) -> list[Panel]:
         panels.append(Panel.of("Figure 10: one pair of pictures", caption, figure))
     if (series := found.first(SCENE, JUDGED, having="speed_measured")) is not None:
         caption = (
-            "Dots: told by the median over soil, a pair each. Line: the carriage's true motion. Shaded: what the "
-            "authors' rig showed, 7.23 ± 0.34 px (our scale makes 0.8 cm/s 7.23 px)."
+            "Dots: told by the median over soil, a pair each. Line: the carriage's true motion. Shaded: "
+            "what the authors' rig showed, 7.23 ± 0.34 px (our scale makes 0.8 cm/s 7.23 px)."
         )
         panels.append(Panel.of("The camera's motion, pair by pair", caption, draw_camera(series)))
     return panels
@@ -104,10 +104,10 @@ def _find(found: Found) -> list[str]:
     bias = float(np.mean([(one["speed_measured"] - one["speed_true"]).mean() for one in parts]))
     flow, soil, rig = spreads
     return [
-        f"The flow's error makes ± {flow:.3f} px of it, soil that does not rest ± {soil:.3f} px, the carriage "
-        f"itself ± {rig:.3f} px; the mean is off by {bias:+.3f} px. A median over hundreds of thousands of pixels "
-        f"hardly errs. So the published ± 0.34 px cannot be the flow's error, although it is as large as a "
-        f"single pixel's: it was the rig's (drive, vibration, clock)."
+        f"The flow's error makes ± {flow:.3f} px of it, soil that does not rest ± {soil:.3f} px, the "
+        f"carriage itself ± {rig:.3f} px; the mean is off by {bias:+.3f} px. A median over hundreds of "
+        "thousands of pixels hardly errs. So the published ± 0.34 px cannot be the flow's error, although "
+        "it is as large as a single pixel's: it was the rig's (drive, vibration, clock)."
     ]
 
 
@@ -117,7 +117,8 @@ EXPERIMENT = Experiment(
     figures="Fig. 10, section 3.1.2",
     about=(
         "A wheel at 20 % slip, the camera on its carriage. Resting soil goes through the picture at the "
-        "carriage's speed, 0.8 cm/s; the median horizontal motion over soil tells it. Our carriage moves exactly."
+        "carriage's speed, 0.8 cm/s; the median horizontal motion over soil tells it. Our carriage moves "
+        "exactly."
     ),
     table="paper_speed",
     quantities=("speed", "range", "flow_share"),

@@ -97,8 +97,8 @@ def _draw(found: Found) -> list[Panel]:
     if len(shown) == len(WHEELS):
         runs = [(wheel.capitalize(), flow_of(one), picture_of(one)) for wheel, one in shown.items()]
         caption = (
-            "Speed, above, and direction, below. The rolling wheel drives clockwise and travels to the right; the "
-            "braked one is pushed to the left. Speeds have scales of their own."
+            "Speed, above, and direction, below. The rolling wheel drives clockwise and travels to the "
+            "right; the braked one is pushed to the left. Speeds have scales of their own."
         )
         panels.append(
             Panel.of("Figures 18 and 19: two ways of failing", caption, soft.comparison_figure(runs))
@@ -129,9 +129,9 @@ def _find(found: Found) -> list[str]:
             [told[way, name].value for way in ("measured", "mode", "true")] for name in ("along", "depth")
         )
         sentences.append(
-            f"{wheel.capitalize()}: {along[0]:.2f} of the motion energy is along thrust as measured, {along[2]:.2f} in "
-            f"truth ({along[1]:.2f} with the camera's motion by what most soil shares); the moving region is "
-            f"{depth[0]:.0f} mm deep, {depth[2]:.0f} mm in truth ({depth[1]:.0f} mm). "
+            f"{wheel.capitalize()}: {along[0]:.2f} of the motion energy is along thrust as measured, "
+            f"{along[2]:.2f} in truth ({along[1]:.2f} with the camera's motion by what most soil shares); "
+            f"the moving region is {depth[0]:.0f} mm deep, {depth[2]:.0f} mm in truth ({depth[1]:.0f} mm). "
             f"{told['true', 'share'].value:.0%} of the soil in view moves."
         )
     return sentences
@@ -142,9 +142,10 @@ EXPERIMENT = Experiment(
     title="Rolling against braked and pushed",
     figures="Figs. 18-19, section 4.1.2",
     about=(
-        "The two halves of push-rolling. Under a rolling wheel soil fails close to the rim, all around it (Bekker's grip "
-        "failure); a braked wheel that is pushed moves one mass in one direction (ground failure). All numbers are of "
-        "the moving region that the clustering finds, from the measurement alone; the same of the truth stands below."
+        "The two halves of push-rolling. Under a rolling wheel soil fails close to the rim, all around it "
+        "(Bekker's grip failure); a braked wheel that is pushed moves one mass in one direction (ground "
+        "failure). All numbers are of the moving region that the clustering finds, from the measurement "
+        "alone; the same of the truth stands below."
     ),
     table="paper_thrust",
     quantities=(
@@ -161,8 +162,8 @@ EXPERIMENT = Experiment(
     find=_find,
     causes={
         ("along_pushed", "below"): (
-            "loose soil also sinks and rises as it shears; compare with the truth below: it is the soil, or the median "
-            "over soil, of which more than half moves"
+            "loose soil also sinks and rises as it shears; compare with the truth below: it is the soil, "
+            "or the median over soil, of which more than half moves"
         ),
         ("resultant_pushed", "below"): (
             "the mass rises ahead of the wheel and sinks behind it; compare with the truth below"

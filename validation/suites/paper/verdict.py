@@ -1,8 +1,8 @@
 """Published numbers beside ours, and the verdict by a rule that is fixed before running.
 
 Reproduced: the interval that the source allows for and ours overlap. Else it differs; by how much is told,
-and why, as far as we know. Judged is `soft-2014`, what the authors ran as far as their text tells, on pictures
-of the severity `paper`; what others give, or clean pictures, stands beside.
+and why, as far as we know. Judged is `soft-2014`, what the authors ran as far as their text tells, on
+pictures of the severity `paper`; what others give, or clean pictures, stands beside.
 """
 
 from collections.abc import Mapping
