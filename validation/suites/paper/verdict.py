@@ -14,8 +14,6 @@ from validation.published import Published
 from validation.statistics import Interval
 
 REPRODUCED, DIFFERS, NOT_MEASURED = "reproduced", "differs", "not measured"
-_WIDE = 1e6
-"""Beyond this a bound is none that a person would print."""
 
 
 @dataclass(frozen=True)
@@ -132,12 +130,12 @@ def ratio(first: Interval, second: Interval) -> Interval:
 
 def published_words(published: Published) -> str:
     """The published number as a table shows it."""
-    low, high = (_number(bound) for bound in (published.low, published.high))
-    if not np.isnan(published.value) and published.low <= published.value <= published.high:
-        if published.low == published.high or np.isinf(published.high):
-            return ("≥ " if np.isinf(published.high) else "") + _number(published.value)
-        return f"{_number(published.value)} ({low} to {high})"
-    return f"above {low}" if np.isinf(published.high) else f"{low} to {high}"
+    low, value, high = published.low, published.value, published.high
+    if np.isinf(high):
+        return f"at least {low:g}"
+    if np.isnan(value):
+        return f"{low:g} to {high:g}"
+    return f"{value:g}" if low == high else f"{value:g} ({low:g} to {high:g})"
 
 
 def our_words(ours: Interval | None) -> str:
@@ -151,6 +149,4 @@ def our_words(ours: Interval | None) -> str:
 
 
 def _number(value: float) -> str:
-    if abs(value) >= _WIDE:
-        return "∞"
     return f"{value:.3f}" if abs(value) < 1 else f"{value:.3g}"
