@@ -1,6 +1,7 @@
 """A suite carried out: in parallel over processes, going on where it was stopped, failures told."""
 
 import os
+import shutil
 import tempfile
 import traceback
 from collections.abc import Callable, Iterator
@@ -26,6 +27,8 @@ MOTIONS = "motions"
 """Folder below a suite's: a run folder for each simulation, shared by all suites that write there."""
 MEASURED = "measured"
 """Folder with one netCDF file for each realisation and method."""
+KEPT = ".flow"
+"""Folder with the flow of measurements that are being made: killed, they go on pair by pair."""
 _MADE_BY = ("softbed", "numpy", "scipy", "taichi", "opencv-python-headless", "scikit-learn")
 
 
@@ -196,6 +199,7 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
 
     realisation = look.realisation
     scene = realisation.scene()
+    kept = task.out / KEPT / look.name
     found = measure(
         footage,
         look.method,
@@ -204,6 +208,7 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
         further=look.further,
         scratch=scratch,
         threads=task.threads,
+        keep=kept,
     )
     found = found.assign_attrs(
         schema_version=SCHEMA_VERSION,
@@ -225,6 +230,7 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
     encoding = {name: {"zlib": True} for name, variable in found.data_vars.items() if variable.ndim > 1}
     found.to_netcdf(draft, engine="h5netcdf", encoding=encoding)
     draft.replace(measured_file(task.out, look))
+    shutil.rmtree(kept, ignore_errors=True)
 
 
 def _periods(scene: "AnyScene") -> "np.ndarray | None":

@@ -62,6 +62,7 @@ def measure(
     further: Sequence[str] = (),
     scratch: Path,
     threads: int,
+    keep: Path | None = None,
     progress: Callable[[int, int], None] | None = None,
 ) -> "xr.Dataset":
     """Analyze footage with a method and score it pair by pair.
@@ -76,6 +77,8 @@ def measure(
         What else is measured, `package.module:function` each, a `Further`.
     scratch : Path
         A folder that the soil flow lies in meanwhile.
+    keep : Path, optional
+        Where each pair's flow is kept until this is done, as `soft.analyze` takes it; to be removed then.
 
     Returns
     -------
@@ -90,7 +93,9 @@ def measure(
     sequence = soft.ImageSequence.open(footage.folder).select(stop=count + 1)
     began = time.perf_counter()
     path = scratch / "flow.nc"
-    with soft.analyze(sequence, method=method, threads=threads, path=path, progress=progress) as flow:
+    with soft.analyze(
+        sequence, method=method, threads=threads, path=path, keep=keep, progress=progress
+    ) as flow:
         seconds = time.perf_counter() - began
         scores, profiles, places, responses = [], [], [], []
         for pair in range(count):
