@@ -92,15 +92,20 @@ def _tell(found: Found, variant: Variant) -> list[Told]:
     if rigid:
         told.append(Told("lost", _lost(rigid)))
     if rigid and soft_rim:
-        speeds = [
-            mean_of([np.atleast_1d(one["averaging_speed"]) for one in own]) for own in (soft_rim, rigid)
-        ]
-        told.append(Told("compliant_over_rigid", ratio(*speeds)))
+        measured, true = (
+            ratio(*(_mean(own, f"averaging_{way}speed") for own in (soft_rim, rigid)))
+            for way in ("", "true_")
+        )
+        told.append(Told("compliant_over_rigid", measured, truth=true.value))
     if soft_rim:
         told.append(Told("compliant_single", mean_of([one["averaging_found"].values for one in soft_rim])))
-        shown = mean_of([np.atleast_1d(one["averaging_mean_found"]) for one in soft_rim])
-        told.append(Told("compliant_average", shown))
+        told.append(Told("compliant_average", _mean(soft_rim, "averaging_mean_found")))
     return told
+
+
+def _mean(parts: "list[xr.Dataset]", name: str) -> Interval:
+    """Of a number that a realisation has one of."""
+    return mean_of([np.atleast_1d(one[name].values) for one in parts])
 
 
 def _parts(found: Found, scene: str, variant: Variant) -> "list[xr.Dataset]":

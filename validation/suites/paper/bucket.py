@@ -52,7 +52,14 @@ def pile_shares(region: MovingSoil) -> dict[str, float]:
 
 
 def _tell(found: Found, variant: Variant) -> list[Told]:
-    told = [Told(name, found.mean(SCENE, variant, f"bucket_measured_{name}")) for name in _NUMBERS]
+    told = [
+        Told(
+            name,
+            found.mean(SCENE, variant, f"bucket_measured_{name}"),
+            truth=found.mean(SCENE, variant, f"bucket_true_{name}").value,
+        )
+        for name in _NUMBERS
+    ]
     return [one for one in told if one.interval.pair_count]
 
 

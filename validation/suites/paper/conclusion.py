@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     "experiment", "quantity", "case", "says", "where", "unit", "published", "published_low", "published_high",
-    "method", "severity", "value", "low", "high", "realisations", "pairs", "judged", "verdict", "reason",
+    "method", "severity", "value", "low", "high", "truth", "realisations", "pairs", "judged", "verdict", "reason",
 )  # fmt: skip
 
 
@@ -102,7 +102,7 @@ def cells(row: Row) -> dict[str, Any]:
     values = (
         row.experiment, published.quantity, row.case, published.says, published.where, published.unit,
         published.value, published.low, published.high, row.variant.method, row.variant.severity,
-        *numbers, *counts, int(row.variant == JUDGED), row.verdict, row.reason,
+        *numbers, row.truth, *counts, int(row.variant == JUDGED), row.verdict, row.reason,
     )  # fmt: skip
     return dict(zip(COLUMNS, values, strict=True))
 

@@ -149,6 +149,7 @@ def draw_camera(series: "xr.Dataset") -> "Figure":
     axes.secondary_yaxis("right", functions=(lambda px: px * scale, lambda speed: speed / scale)).set_ylabel(
         "[cm/s]", fontsize=_LETTERS
     )
+    axes.xaxis.get_major_locator().set_params(integer=True)
     _name(axes, "pair of pictures", "camera's motion [px/frame]")
     _legend(axes)
     return figure
@@ -185,7 +186,8 @@ def draw_gains(curves: "Mapping[str, xr.Dataset]") -> "Figure":
     longest = max((one["averaging_true_count"].values for one in curves.values()), key=len)
     axes.set_xticks(longest, [str(n) for n in longest])
     low, high = axes.get_ylim()
-    ticks = [tick for tick in (0.005, 0.01, 0.02, 0.05, 0.1, 0.2, 0.5, 1.0) if low <= tick <= high]
+    steps = (0.005, 0.007, 0.01, 0.015, 0.02, 0.03, 0.05, 0.07, 0.1, 0.15, 0.2, 0.3, 0.5, 0.7, 1.0)
+    ticks = [tick for tick in steps if low <= tick <= high]
     axes.set_yticks(ticks, [f"{tick:g}" for tick in ticks])
     axes.minorticks_off()
     _name(axes, "pairs averaged, N", "error, root mean square [px]")

@@ -54,5 +54,5 @@ class Experiment:
             here = published[one.quantity]
             why = reason(here, one.interval, self.causes)
             verdict = judge(here, one.interval)
-            rows.append(Row(self.name, here, one.case, variant, one.interval, verdict, why))
+            rows.append(Row(self.name, here, one.case, variant, one.interval, one.truth, verdict, why))
         return rows

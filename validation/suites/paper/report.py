@@ -5,12 +5,14 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 from validation.page import Panel, write_page
 from validation.suites.execution import Failure
 from validation.suites.paper.conclusion import Conclusion, experiments
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found
-from validation.suites.paper.verdict import JUDGED, Row, our_words, published_words
+from validation.suites.paper.verdict import JUDGED, Row, number, our_words, published_words
 from validation.versions import machine, package_version, package_versions
 
 _MARKS = {"reproduced": "yes", "differs": "no", "not measured": "open"}
@@ -22,7 +24,8 @@ class Line:
 
     Attributes
     ----------
-    says, where, unit, published, ours : str
+    says, where, unit, published, ours, truth : str
+        `truth` is empty where there is none to tell.
     verdict, mark, reason : str
         `mark` is a class of the page.
     beside : list of (str, str)
@@ -34,6 +37,7 @@ class Line:
     unit: str
     published: str
     ours: str
+    truth: str
     verdict: str
     mark: str
     reason: str
@@ -126,6 +130,7 @@ def _line(row: Row, conclusion: Conclusion) -> Line:
         unit="" if published.unit == "1" else published.unit,
         published=published_words(published),
         ours=our_words(row.ours),
+        truth="" if np.isnan(row.truth) else number(row.truth),
         verdict=row.verdict,
         mark=_MARKS[row.verdict],
         reason=row.reason,

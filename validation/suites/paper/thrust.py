@@ -23,6 +23,13 @@ WHEELS = {"rolling_wheel": "rolling", "pushed_wheel": "pushed"}
 THRUST = (-1.0, 0.0)
 """Soil pushed to the left drives the vehicle to the right, in both scenes."""
 _NUMBERS = ("along", "across", "resultant", "depth", "share")
+_TOLD = (
+    ("rolling", "along"),
+    ("rolling", "across"),
+    ("pushed", "along"),
+    ("rolling", "resultant"),
+    ("pushed", "resultant"),
+)
 
 
 def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
@@ -61,24 +68,26 @@ def _told_of(region: MovingSoil, millimetres: float) -> tuple[dict[str, float], 
 
 
 def _tell(found: Found, variant: Variant) -> list[Told]:
-    mean = {
-        (wheel, name): _mean(found, scene, variant, "measured", name)
+    mean, true = (_means(found, variant, way) for way in ("measured", "true"))
+    told = [
+        Told(f"{name}_{wheel}", mean[wheel, name], truth=true[wheel, name].value)
+        for wheel, name in _TOLD
+        if mean[wheel, name].pair_count
+    ]
+    for name in ("along", "depth"):
+        if all(mean[wheel, name].pair_count for wheel in WHEELS.values()):
+            measured, truth = (difference(own["pushed", name], own["rolling", name]) for own in (mean, true))
+            told.append(Told(f"{name}_difference", measured, truth=truth.value))
+    return told
+
+
+def _means(found: Found, variant: Variant, way: str) -> dict[tuple[str, str], Interval]:
+    """Every number of both wheels."""
+    return {
+        (wheel, name): _mean(found, scene, variant, way, name)
         for scene, wheel in WHEELS.items()
         for name in _NUMBERS
     }
-    told = [
-        Told(f"{name}_{wheel}", mean[wheel, name])
-        for wheel, name in (
-            ("rolling", "along"), ("rolling", "across"), ("pushed", "along"),
-            ("rolling", "resultant"), ("pushed", "resultant"),
-        )
-        if mean[wheel, name].pair_count
-    ]  # fmt: skip
-    for name in ("along", "depth"):
-        pushed, rolling = mean["pushed", name], mean["rolling", name]
-        if pushed.pair_count and rolling.pair_count:
-            told.append(Told(f"{name}_difference", difference(pushed, rolling)))
-    return told
 
 
 def _mean(found: Found, scene: str, variant: Variant, way: str, name: str) -> Interval:

@@ -46,11 +46,15 @@ class Told:
     interval : Interval
     case : str
         What tells it from others of the same quantity: a soil.
+    truth : float
+        What the true motion of the same pictures gives in the same way; NaN where that was not asked for. It
+        tells the measurement's doing from the soil's.
     """
 
     quantity: str
     interval: Interval
     case: str = ""
+    truth: float = np.nan
 
 
 @dataclass(frozen=True)
@@ -63,6 +67,7 @@ class Row:
         Its name.
     published : Published
     case : str
+    truth : float
         As of `Told`.
     variant : Variant
     ours : Interval or None
@@ -75,6 +80,7 @@ class Row:
     case: str
     variant: Variant
     ours: Interval | None
+    truth: float
     verdict: str
     reason: str
 
@@ -142,11 +148,12 @@ def our_words(ours: Interval | None) -> str:
     """Our number as a table shows it."""
     if ours is None or np.isnan(ours.value):
         return "-"
-    value = _number(ours.value)
+    value = number(ours.value)
     if np.isnan(ours.low):
         return value
-    return f"{value} ({_number(ours.low)} to {_number(ours.high)})"
+    return f"{value} ({number(ours.low)} to {number(ours.high)})"
 
 
-def _number(value: float) -> str:
+def number(value: float) -> str:
+    """One of our numbers as a table shows it."""
     return f"{value:.3f}" if abs(value) < 1 else f"{value:.3g}"
