@@ -26,7 +26,8 @@ if TYPE_CHECKING:
 
 COLUMNS = (
     "experiment", "quantity", "case", "says", "where", "unit", "published", "published_low", "published_high",
-    "method", "severity", "value", "low", "high", "truth", "realisations", "pairs", "judged", "verdict", "reason",
+    "method", "severity", "value", "low", "high", "truth", "realisations", "pairs", "judged", "verdict",
+    "reason",
 )  # fmt: skip
 
 

@@ -78,10 +78,10 @@ class Found:
         return self._opened[look]
 
 
-def mean_of(realisations: list[np.ndarray]) -> Interval:
+def mean_of(realisations: list[np.ndarray], *, block_length: int = BLOCK) -> Interval:
     """Mean with its interval by blocks of pairs; NaN where there is no number."""
     try:
-        return block_bootstrap(realisations, block_length=BLOCK)
+        return block_bootstrap(realisations, block_length=block_length)
     except StatisticsError:
         return _NOTHING
 
