@@ -48,9 +48,11 @@ def test_rule(ours, verdict):
 
 def test_reason_says_on_which_side_by_how_much_and_why():
     causes = {("p95", "above"): "noise"}
-    assert reason(PUBLISHED, interval(0.35, 0.03), causes) == "above by 0.01 px: noise"
+    assert reason(PUBLISHED, interval(0.35, 0.03), causes) == "above by 0.01 px; noise"
     assert reason(PUBLISHED, interval(0.2, 0.03), causes) == "below by 0.05 px"
     assert reason(PUBLISHED, interval(0.3, 0.03), causes) == ""
+    assert reason(PUBLISHED, interval(0.2), {}, 0.21).endswith("so does the truth of these pictures")
+    assert reason(PUBLISHED, interval(0.2), {}, 0.3).endswith("the truth of these pictures does not")
 
 
 def test_difference_and_ratio_of_independent_numbers():

@@ -52,7 +52,7 @@ class Experiment:
         rows = []
         for one in told:
             here = published[one.quantity]
-            why = reason(here, one.interval, self.causes)
+            why = reason(here, one.interval, self.causes, one.truth)
             verdict = judge(here, one.interval)
             rows.append(Row(self.name, here, one.case, variant, one.interval, one.truth, verdict, why))
         return rows

@@ -171,13 +171,13 @@ EXPERIMENT = Experiment(
     find=_find,
     causes={
         ("along_pushed", "below"): (
-            "loose soil also sinks and rises as it shears; compare with the truth below: it is the soil, "
-            "or the median over soil, of which more than half moves"
+            "loose soil sinks under the load as it is pushed, and rises ahead; and where more than half "
+            "of the soil in view moves, the median over it is not the camera's motion"
         ),
-        ("resultant_pushed", "below"): (
-            "the mass rises ahead of the wheel and sinks behind it; compare with the truth below"
+        ("resultant_pushed", "below"): "the pushed mass rises at its fore and sinks at its rear",
+        ("depth_difference", "below"): (
+            "a wheel that has just begun to be pushed reaches less deep than one that rolls with so much slip"
         ),
-        ("depth_difference", "below"): "the rolling wheel's moving region is the deeper one here",
-        ("across_rolling", "below"): "less of the motion is vertical than one fifth",
+        ("across_rolling", "below"): "less than a fifth of the motion is vertical",
     },
 )

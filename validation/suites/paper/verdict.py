@@ -98,11 +98,18 @@ def bounds(ours: Interval) -> tuple[float, float]:
     return (ours.value, ours.value) if np.isnan(ours.low) else (ours.low, ours.high)
 
 
-def reason(published: Published, ours: Interval | None, causes: Mapping[tuple[str, str], str]) -> str:
+def reason(
+    published: Published,
+    ours: Interval | None,
+    causes: Mapping[tuple[str, str], str],
+    truth: float = np.nan,
+) -> str:
     """By how much a number differs, and why.
 
     Parameters
     ----------
+    truth : float, optional
+        As of `Told`: where it differs, too, it is the soil that does, else the measurement.
     causes : mapping
         What is known of why, by quantity and side (`above` or `below` what is published).
     """
@@ -112,8 +119,14 @@ def reason(published: Published, ours: Interval | None, causes: Mapping[tuple[st
     side = "above" if low > published.high else "below"
     gap = low - published.high if side == "above" else published.low - high
     unit = "" if published.unit == "1" else f" {published.unit}"
-    cause = causes.get((published.quantity, side), "")
-    return f"{side} by {gap:.2g}{unit}" + (f": {cause}" if cause else "")
+    told = [f"{side} by {gap:.2g}{unit}"]
+    if not np.isnan(truth):
+        differs = not published.low <= truth <= published.high
+        told.append(
+            "so does the truth of these pictures" if differs else "the truth of these pictures does not"
+        )
+    told.append(causes.get((published.quantity, side), ""))
+    return "; ".join(part for part in told if part)
 
 
 def difference(first: Interval, second: Interval) -> Interval:
