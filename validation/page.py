@@ -24,17 +24,20 @@ class Panel:
         What it is, and how to read it.
     source : str
         The PNG as a `data:` address.
+    wide : bool
+        Whether it needs the page's whole width.
     """
 
     title: str
     caption: str
     source: str
+    wide: bool = False
 
     @classmethod
-    def of(cls, title: str, caption: str, figure: "Figure") -> "Panel":
+    def of(cls, title: str, caption: str, figure: "Figure", *, wide: bool = False) -> "Panel":
         """Put a figure on a page."""
         encoded = base64.b64encode(to_png(figure)).decode("ascii")
-        return cls(title, caption, f"data:image/png;base64,{encoded}")
+        return cls(title, caption, f"data:image/png;base64,{encoded}", wide)
 
 
 def write_page(path: Path, template: str, content: Mapping[str, Any]) -> None:

@@ -89,7 +89,7 @@ def _top_speed(u: np.ndarray, v: np.ndarray) -> float:
 def _tell(found: Found, variant: Variant) -> list[Told]:
     rigid, soft_rim = (_parts(found, scene, variant) for scene in (RIGID, COMPLIANT))
     told = []
-    if rigid:
+    if rigid and rigid[0].sizes["averaging_level"] > 1:
         told.append(Told("lost", _lost(rigid)))
     if rigid and soft_rim:
         measured, true = (

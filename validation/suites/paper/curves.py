@@ -169,7 +169,8 @@ def draw_disagreements(rows: Mapping[str, np.ndarray]) -> "Figure":
             axes.bar(places, 100 * table[:, column], wide, color=colours[k % len(colours)], label=name)
         axes.set_xticks(range(len(WHERE)), WHERE)
         _name(axes, "flow, by the truth", title)
-    every[0].legend(frameon=False, fontsize=_LETTERS - 1)
+    every[0].set_ylim(0, 1.35 * every[0].get_ylim()[1])
+    every[0].legend(frameon=False, fontsize=_LETTERS - 1, ncols=2, loc="upper center")
     return figure
 
 
@@ -212,6 +213,8 @@ def draw_directions(spreads: Mapping[str, Mapping[str, np.ndarray]]) -> "Figure"
                 axes.plot(middle[ring], 100 * share[ring], color=_ORANGE, linewidth=1.6, label=way)
         axes.set_xticks(np.arange(4) * np.pi / 2, ["right", "up", "left", "down"], fontsize=_LETTERS)
         axes.tick_params(labelsize=_LETTERS - 1)
+        axes.yaxis.get_major_locator().base.set_params(nbins=4)
+        axes.set_rlabel_position(-67.5)
         axes.set_title(f"{wheel}: pixels a 10 degrees [%]", fontsize=_LETTERS + 1)
     every[-1].legend(frameon=False, fontsize=_LETTERS - 1, loc="lower left", bbox_to_anchor=(0.85, -0.1))
     return figure

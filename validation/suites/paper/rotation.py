@@ -93,7 +93,7 @@ def _draw(found: Found) -> list[Panel]:
     if (plate := found.first("plate_rotation", JUDGED, having="shown_error")) is not None:
         figure = truth_figure(view_of(plate), JUDGED.method)
         caption = "True motion of the plate, left, and as measured, right; GRC-1, severity paper."
-        panels.append(Panel.of("Figure 6: prescribed and measured", caption, figure))
+        panels.append(Panel.of("Figure 6: prescribed and measured", caption, figure, wide=True))
     for scene, soil in PLATES.items():
         if (plate := found.first(scene, JUDGED, having="shown_error")) is not None:
             caption = f"{soil}, severity paper. The pin is in the middle, motion is largest in the corners."
@@ -117,6 +117,7 @@ def _drawn_counts(found: Found) -> list[Panel]:
             "Bars: severity paper, shaded to the median and to the 95 % bound; line: clean pictures; dotted: "
             "published bounds. Pixels of all realisations.",
             draw_distributions(counts),
+            wide=True,
         ),
         Panel.of(
             "Does the error grow with the motion?",

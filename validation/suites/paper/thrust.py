@@ -110,7 +110,9 @@ def _draw(found: Found) -> list[Panel]:
             "right; the braked one is pushed to the left. Speeds have scales of their own."
         )
         panels.append(
-            Panel.of("Figures 18 and 19: two ways of failing", caption, soft.comparison_figure(runs))
+            Panel.of(
+                "Figures 18 and 19: two ways of failing", caption, soft.comparison_figure(runs), wide=True
+            )
         )
     spreads = {
         wheel: {way: _directions(found, scene, way) for way in ("measured", "true")}
