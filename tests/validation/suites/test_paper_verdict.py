@@ -1,6 +1,7 @@
 """Published numbers are read with their bounds, and judged by the rule that the page states."""
 
 import csv
+import json
 
 import numpy as np
 import pytest
@@ -9,7 +10,7 @@ from validation.published import REFERENCE_FOLDER, Published, read_published
 from validation.statistics import Interval
 from validation.suites.paper.conclusion import experiments
 from validation.suites.paper.drawbar import EXPERIMENT as DRAWBAR
-from validation.suites.paper.drawbar import told_by
+from validation.suites.paper.drawbar import read_maxima, told_by
 from validation.suites.paper.verdict import (
     DIFFERS,
     NOT_MEASURED,
@@ -88,6 +89,14 @@ def test_tables_name_their_source():
         assert len({len(row) for row in csv.reader(rows)}) == 1, path.name
 
 
-def test_drawbar_pull_by_gait_and_wheel():
-    told = {one.quantity: one.interval.value for one in told_by({"rolling_rigid": 0.2, "inching_rigid": 0.3})}
+def test_drawbar_pull_by_gait_and_wheel(tmp_path):
+    curves = [
+        {"gait": "rolling", "wheel": "rigid", "law": "rft", "maximum": 0.2},
+        {"gait": "inching", "wheel": "rigid", "law": "rft", "maximum": 0.3},
+        {"gait": "inching", "wheel": "rigid", "law": "bwj", "maximum": 0.9},
+        {"gait": "rolling", "wheel": "pneumatic", "law": "rft", "maximum": 0.1, "maximum_reached": False},
+    ]
+    path = tmp_path / "drawbar.json"
+    path.write_text(json.dumps({"curves": curves}))
+    told = {one.quantity: one.interval.value for one in told_by(read_maxima(path))}
     assert told == pytest.approx({"rolling_rigid": 0.2, "inching_rigid": 0.3, "gain_rigid": 1.5})

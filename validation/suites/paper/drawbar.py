@@ -15,8 +15,10 @@ from validation.suites.paper.verdict import JUDGED, Told, Variant
 
 COMMAND = "validation.cli.drawbar"
 """The module of the command that drives the rover."""
-FILE = "drawbar.json"
-"""What `softbed drawbar OUT --json` gives, put into the suite's folder."""
+FILE = "drawbar/drawbar.json"
+"""What `softbed drawbar OUT/drawbar` leaves in the suite's folder OUT."""
+LAW = "rft"
+"""The command's own choice of how soil resists wheels."""
 GAITS, WHEELS = ("rolling", "inching"), ("rigid", "pneumatic")
 
 
@@ -33,12 +35,13 @@ def _tell(found: Found, variant: Variant) -> list[Told]:
 
 
 def read_maxima(path: Path) -> dict[str, float]:
-    """Largest drawbar pull / weight of every gait on every wheel, the mean over laws."""
+    """Largest drawbar pull / weight of every gait on every wheel, where the vehicle was pulled to a stand."""
     document: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
-    maxima: dict[str, list[float]] = {}
-    for curve in document["curves"]:
-        maxima.setdefault(f"{curve['gait']}_{curve['wheel']}", []).append(float(curve["maximum"]))
-    return {name: float(np.mean(values)) for name, values in maxima.items()}
+    return {
+        f"{curve['gait']}_{curve['wheel']}": float(curve["maximum"])
+        for curve in document["curves"]
+        if curve["law"] == LAW and curve.get("maximum_reached", True)
+    }
 
 
 def told_by(maxima: Mapping[str, float]) -> list[Told]:
@@ -60,8 +63,8 @@ EXPERIMENT = Experiment(
     title="Drawbar pull of a rover",
     figures="Fig. 17, section 4.1.1",
     about=(
-        "The rover pulls a load as it rolls, and as it push-rolls. From the file drawbar.json of this "
-        "folder, which `softbed drawbar OUT --json` gives."
+        "The rover pulls a load as it rolls, and as it push-rolls. From the file drawbar/drawbar.json of "
+        "this folder, which `softbed drawbar OUT/drawbar` leaves."
     ),
     table="paper_drawbar",
     quantities=(
