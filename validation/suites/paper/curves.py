@@ -39,7 +39,7 @@ def _name(axes: "Axes", x: str, y: str, title: str = "") -> None:
 
 
 def _legend(axes: "Axes", **options: Any) -> None:
-    axes.legend(frameon=False, fontsize=_LETTERS - 1, **options)
+    axes.legend(edgecolor="none", framealpha=0.85, fontsize=_LETTERS - 1, **options)
 
 
 def draw_distributions(counts: Mapping[tuple[str, str], np.ndarray]) -> "Figure":
@@ -121,9 +121,9 @@ def draw_growth(counts: Mapping[tuple[str, str], np.ndarray]) -> "Figure":
             color="black",
             label="published slope",
         )
-    axes.set_ylim(bottom=0)
+    axes.set_ylim(0, 1.35 * axes.get_ylim()[1])
     _name(axes, "motion [px]", "error [px]")
-    _legend(axes)
+    _legend(axes, ncols=2, loc="upper center")
     return figure
 
 

@@ -178,7 +178,7 @@ EXPERIMENT = Experiment(
         ),
         ("resultant_pushed", "below"): "the pushed mass rises at its fore and sinks at its rear",
         ("depth_difference", "below"): (
-            "a wheel that has just begun to be pushed reaches less deep than one that rolls with so much slip"
+            "where the median over soil is not the camera's motion, the clustering cuts the pushed mass short"
         ),
         ("across_rolling", "below"): "less than a fifth of the motion is vertical",
     },
