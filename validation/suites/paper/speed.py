@@ -33,13 +33,20 @@ def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
     told = {
         "speed_measured": flow["camera_u"].values,
         "speed_true": truths["camera_u"].values,
-        "speed_by_soil": camera_of_true_flow(truths, "median"),
+        "speed_by_soil": [_by_true_soil(footage, pair) for pair in range(flow.sizes["pair"])],
     }
     scale = 100 * footage.metres_per_pixel * footage.frame_rate
     return xr.Dataset(
         {name: ("pair", np.asarray(values, np.float64)) for name, values in told.items()},
         attrs={"speed_scale": scale},
     )
+
+
+def _by_true_soil(footage: "Footage", pair: int) -> float:
+    """Give the camera's motion as the median true displacement of soil tells it, px."""
+    from validation.truth_pass import TruePair
+
+    return TruePair(footage.truth(pair).load()).camera_by_soil("median")
 
 
 def _tell(found: Found, variant: Variant) -> list[Told]:
