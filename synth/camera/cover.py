@@ -59,6 +59,7 @@ def cover(
     grains: "MicroGrains",
     placement: "Placement",
     *,
+    hider: "np.ndarray | None" = None,
     reuse: Cover | None = None,
     picture: int | None = None,
 ) -> Cover:
@@ -66,6 +67,8 @@ def cover(
 
     Parameters
     ----------
+    hider : (grain,) int32, optional
+        As in `sort_into_tiles`: makes it faster, and changes nothing that is seen.
     reuse : Cover, optional
         One of the same scene that is not needed any more: its samples are overwritten.
     picture : int, optional
@@ -79,7 +82,7 @@ def cover(
     face = face_of(scene, recording, placement.frame, view)
     margin = max(math.ceil(4 * scene.lens.blur) + 1, VOID_REACH)
     sampling = scene.camera.supersampling
-    tiled = sort_into_tiles(grains, placement, view, sampling, margin)
+    tiled = sort_into_tiles(grains, placement, view, sampling, margin, hider=hider)
     shape = view.height + 2 * margin, view.width + 2 * margin
     samples = np.empty((*shape, sampling, sampling), np.int32) if reuse is None else reuse.samples
     centres = np.empty(shape, np.int32)

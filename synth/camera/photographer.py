@@ -7,6 +7,7 @@ import numpy as np
 from synth.camera.cover import Cover, cover
 from synth.camera.exchange import grains_at
 from synth.camera.glass import Glass
+from synth.camera.hiding import hiders
 from synth.camera.nuisance import flicker
 from synth.camera.picture import Film, expose, light_on_sensor
 from synth.camera.shutter import instants
@@ -33,6 +34,7 @@ class Photographer:
         self._scene, self._recording, self._grains, self._motion = scene, recording, grains, motion
         self._clock = clock or StageClock()
         self._glass = Glass.of(scene, recording)
+        self._hider = hiders(grains)
         self._covered: Cover | None = None
         self._film: Film | None = None
 
@@ -62,7 +64,13 @@ class Photographer:
         grains = grains_at(self._grains, placement)
         with self._clock.stage("covering"):
             self._covered = cover(
-                self._scene, recording, grains, placement, reuse=self._covered, picture=picture
+                self._scene,
+                recording,
+                grains,
+                placement,
+                hider=self._hider,
+                reuse=self._covered,
+                picture=picture,
             )
         return grains
 

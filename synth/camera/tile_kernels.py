@@ -8,6 +8,7 @@ grain to its last, so the order within a tile does not depend on the threads.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
+from synth.camera.cover_kernels import quotient, remainder
 from synth.camera.shares import SHARES
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
@@ -18,27 +19,51 @@ _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 
 STEP = 2.0**-14
 """Samples; places are rounded to this, so that they are the same wherever a tile begins."""
+SLACK = 1e-3
+"""px; a grain that hides another reaches at least as much further: more than rounding can do."""
+NONE, SEVERAL = -1, -2
+"""Instead of the tile that a grain touches."""
 
 
 @ti.func
-def _touched(view, x, z, diameter, sampling, margin, tile, columns, rows):
-    """Place in samples from the margin's first one, radius in samples, and the tiles touched.
-
-    The tiles are first and last column, first and last row; none if the last is before the first.
-    """
+def _in_samples(view, x, z, diameter, sampling, margin):
+    """Place from the margin's first sample, and radius, in samples."""
     at = projection.to_image(view, x, z)
     radius = 0.5 * diameter * view[0]
     if view[5] != 0.0:
         radius *= projection.magnification(view, x, z)
     column, row = (at[0] + margin + 0.5) * sampling - 0.5, (at[1] + margin + 0.5) * sampling - 0.5
-    radius *= sampling
-    per_side = 1.0 / (tile * sampling)
-    reach = radius + 1.0
-    low_i = ti.max(int(ti.floor((column - reach) * per_side)), 0)
-    low_j = ti.max(int(ti.floor((row - reach) * per_side)), 0)
-    high_i = ti.min(int(ti.floor((column + reach) * per_side)), columns - 1)
-    high_j = ti.min(int(ti.floor((row + reach) * per_side)), rows - 1)
-    return ti.Vector([column, row, radius]), ti.Vector([low_i, high_i, low_j, high_j])
+    return ti.Vector([column, row, radius * sampling])
+
+
+@ti.func
+def _tiles_around(at, sampling, tile, columns, rows):
+    """First and last column, first and last row of the tiles touched; none if a last is before the first."""
+    per_side, reach = 1.0 / (tile * sampling), at[2] + 1.0
+    low_i = ti.max(int(ti.floor((at[0] - reach) * per_side)), 0)
+    low_j = ti.max(int(ti.floor((at[1] - reach) * per_side)), 0)
+    high_i = ti.min(int(ti.floor((at[0] + reach) * per_side)), columns - 1)
+    high_j = ti.min(int(ti.floor((at[1] + reach) * per_side)), rows - 1)
+    return ti.Vector([low_i, high_i, low_j, high_j])
+
+
+@ti.func
+def _is_hidden(
+    g,
+    h,
+    x: ti.template(),
+    z: ti.template(),
+    diameter: ti.template(),
+    alive: ti.template(),
+    depth: ti.template(),
+    pixels_per_metre,
+    index_bits,
+):
+    """Whether a living grain lies in front, and reaches further than this one all around."""
+    less, slack = 0.5 * (diameter[h] - diameter[g]), SLACK / pixels_per_metre
+    off_x, off_z = x[g] - x[h], z[g] - z[h]
+    inside = less > slack and off_x * off_x + off_z * off_z < (less - slack) * (less - slack)
+    return inside and alive[h] == 1 and depth[h] >> index_bits < depth[g] >> index_bits
 
 
 @ti.kernel
@@ -47,14 +72,23 @@ def count_in_tiles(
     z: _f64,
     diameter: _f64,
     alive: _u8,
+    depth: _i32,
+    hider: _i32,
     view: projection.numbers,
     sampling: ti.template(),
     margin: ti.i32,
     tile: ti.template(),
     columns: ti.i32,
+    index_bits: ti.i32,
     count: _i32_table,
+    touched: _i32,
 ):
-    """Count the grains of every part in every tile."""
+    """Count the grains of every part in every tile, and note the tile that each one touches.
+
+    `touched` is `NONE` for grains that are not in view or lie wholly behind their `hider` (-1: nobody is asked
+    for), and `SEVERAL` for those in more than one tile. A lens that distorts makes no discs of discs:
+    then nobody is asked for either.
+    """
     size = (x.shape[0] + count.shape[0] - 1) // count.shape[0]
     rows = count.shape[1] // columns
     for share in range(count.shape[0] * SHARES):
@@ -62,11 +96,23 @@ def count_in_tiles(
             continue
         part = share // SHARES
         for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
+            found = NONE
             if alive[g] == 1:
-                _, box = _touched(view, x[g], z[g], diameter[g], sampling, margin, tile, columns, rows)
-                for j in range(box[2], box[3] + 1):
-                    for i in range(box[0], box[1] + 1):
-                        count[part, j * columns + i] += 1
+                h = hider[g]
+                hidden = False
+                if h >= 0 and view[5] == 0.0:
+                    hidden = _is_hidden(g, h, x, z, diameter, alive, depth, view[0], index_bits)
+                if not hidden:
+                    at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
+                    box = _tiles_around(at, sampling, tile, columns, rows)
+                    for j in range(box[2], box[3] + 1):
+                        for i in range(box[0], box[1] + 1):
+                            count[part, j * columns + i] += 1
+                    if box[0] == box[1] and box[2] == box[3]:
+                        found = box[2] * columns + box[0]
+                    elif box[0] <= box[1] and box[2] <= box[3]:
+                        found = SEVERAL
+            touched[g] = found
 
 
 @ti.kernel
@@ -74,15 +120,15 @@ def sort_into_tiles(
     x: _f64,
     z: _f64,
     diameter: _f64,
-    alive: _u8,
+    touched: _i32,
     depth: _i32,
     view: projection.numbers,
     sampling: ti.template(),
     margin: ti.i32,
     tile: ti.template(),
     columns: ti.i32,
-    start: _i32_table,
     index_bits: ti.i32,
+    start: _i32_table,
     place: _f32_table,
     key: _i32,
     grain: _i32,
@@ -95,10 +141,16 @@ def sort_into_tiles(
             continue
         part = share // SHARES
         for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
-            if alive[g] == 1:
-                at, box = _touched(view, x[g], z[g], diameter[g], sampling, margin, tile, columns, rows)
-                for j in range(box[2], box[3] + 1):
-                    for i in range(box[0], box[1] + 1):
+            only = touched[g]
+            if only != NONE:
+                at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
+                low_i, low_j = remainder(only, columns), quotient(only, columns)
+                high_i, high_j = low_i, low_j
+                if only == SEVERAL:
+                    box = _tiles_around(at, sampling, tile, columns, rows)
+                    low_i, high_i, low_j, high_j = box[0], box[1], box[2], box[3]
+                for j in range(low_j, high_j + 1):
+                    for i in range(low_i, high_i + 1):
                         k = start[part, j * columns + i]
                         start[part, j * columns + i] = k + 1
                         off_x, off_y = at[0] - i * tile * sampling, at[1] - j * tile * sampling

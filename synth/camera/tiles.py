@@ -52,7 +52,13 @@ class TiledGrains:
 
 
 def sort_into_tiles(
-    grains: "MicroGrains", placement: "Placement", view: View, sampling: int, margin: int
+    grains: "MicroGrains",
+    placement: "Placement",
+    view: View,
+    sampling: int,
+    margin: int,
+    *,
+    hider: "np.ndarray | None" = None,
 ) -> TiledGrains:
     """Sort the living grains that touch the picture, or its margin, into tiles.
 
@@ -62,6 +68,8 @@ def sort_into_tiles(
         Samples along each side of a pixel.
     margin : int
         px around the picture.
+    hider : (grain,) int32, optional
+        As `synth.camera.hiding.hiders` finds them; grains that lie wholly behind theirs are left out.
 
     Raises
     ------
@@ -71,21 +79,23 @@ def sort_into_tiles(
     import numpy as np
 
     from synth.camera import tile_kernels
+    from synth.camera.hiding import NOBODY
 
     columns = -(-(view.width + 2 * margin) // TILE)
     tiles = columns * -(-(view.height + 2 * margin) // TILE)
-    count = np.zeros((_BLOCK_COUNT, tiles), np.int32)
-    at = (placement.x, placement.z, grains.diameter, placement.alive)
-    frame = (tile_kernels.projection.numbers(view.numbers), sampling, margin, TILE, columns)
-    tile_kernels.count_in_tiles(*at, *frame, count)
+    index_bits = (2 * grains.count + 64 * tiles).bit_length()
+    hider = np.full(grains.count, NOBODY, np.int32) if hider is None else hider
+    count, touched = np.zeros((_BLOCK_COUNT, tiles), np.int32), np.empty(grains.count, np.int32)
+    at, depth = (placement.x, placement.z, grains.diameter), grains.depth
+    frame = (tile_kernels.projection.numbers(view.numbers), sampling, margin, TILE, columns, index_bits)
+    tile_kernels.count_in_tiles(*at, placement.alive, depth, hider, *frame, count, touched)
     ends = np.cumsum(count.T, dtype=np.int64)
     total = int(ends[-1]) if len(ends) else 0
-    index_bits = (2 * grains.count + 64 * tiles).bit_length()
     if total >= 1 << index_bits or index_bits > _KEY_BITS - 5:
         raise ValueError(f"texture: {grains.count} micro-grains are more than one picture can hold")
     start = (ends.reshape(tiles, _BLOCK_COUNT).T - count).astype(np.int32)
     first = np.append(start[0], total).astype(np.int32)
     place = np.empty((total, 3), np.float32)
     key, grain = np.empty(total, np.int32), np.empty(total, np.int32)
-    tile_kernels.sort_into_tiles(*at, grains.depth, *frame, start, index_bits, place, key, grain)
+    tile_kernels.sort_into_tiles(*at, touched, depth, *frame, start, place, key, grain)
     return TiledGrains(first, columns, place, key, grain, index_bits)
