@@ -12,6 +12,7 @@ from synth.camera.view import View
 if TYPE_CHECKING:
     import numpy as np
 
+    from synth.camera.hiding import Hiders
     from synth.camera.motion import Placement
     from synth.camera.texture import MicroGrains
     from synth.recording import Recording
@@ -59,7 +60,7 @@ def cover(
     grains: "MicroGrains",
     placement: "Placement",
     *,
-    hider: "np.ndarray | None" = None,
+    hiders: "Hiders | None" = None,
     reuse: Cover | None = None,
     picture: int | None = None,
 ) -> Cover:
@@ -67,7 +68,7 @@ def cover(
 
     Parameters
     ----------
-    hider : (grain,) int32, optional
+    hiders : Hiders, optional
         As in `sort_into_tiles`: makes it faster, and changes nothing that is seen.
     reuse : Cover, optional
         One of the same scene that is not needed any more: its samples are overwritten.
@@ -82,7 +83,7 @@ def cover(
     face = face_of(scene, recording, placement.frame, view)
     margin = max(math.ceil(4 * scene.lens.blur) + 1, VOID_REACH)
     sampling = scene.camera.supersampling
-    tiled = sort_into_tiles(grains, placement, view, sampling, margin, hider=hider)
+    tiled = sort_into_tiles(grains, placement, view, sampling, margin, hiders=hiders)
     shape = view.height + 2 * margin, view.width + 2 * margin
     samples = np.empty((*shape, sampling, sampling), np.int32) if reuse is None else reuse.samples
     centres = np.empty(shape, np.int32)

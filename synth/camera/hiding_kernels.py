@@ -3,7 +3,11 @@
 
 import taichi as ti
 
+SLACK = 1e-3
+"""px; a grain that hides another reaches at least as much further: more than rounding can do."""
+
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
+_u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 _i64 = ti.types.ndarray(dtype=ti.i64, ndim=1)
 _i32 = ti.types.ndarray(dtype=ti.i32, ndim=1)
 grid_vector = ti.types.vector(3, ti.f64)
@@ -46,3 +50,29 @@ def find_hiders(
                 if depth[h] < depth[g] and less > 0.0 and square < less * less:
                     room = ti.cast((less - ti.sqrt(square)) / radius * _FINEST, ti.i64)
                     ti.atomic_max(best[g], (room << 32) | ti.cast(h, ti.i64))
+
+
+@ti.kernel
+def leave_out_hidden(
+    x: _f64,
+    z: _f64,
+    diameter: _f64,
+    depth: _i32,
+    alive: _u8,
+    grain: _i32,
+    hider: _i32,
+    slack: ti.f64,
+    index_bits: ti.i32,
+    shown: _u8,
+):
+    """Clear those grains' marks that lie wholly behind their hider, `slack` (m) from its rim.
+
+    Without a branch: which ones still do cannot be foreseen.
+    """
+    for n in range(grain.shape[0]):
+        g, h = grain[n], hider[n]
+        off_x, off_z = x[g] - x[h], z[g] - z[h]
+        room = ti.max(0.5 * (diameter[h] - diameter[g]) - slack, 0.0)
+        inside = ti.cast(off_x * off_x + off_z * off_z < room * room, ti.u8)
+        in_front = ti.cast(depth[h] >> index_bits < depth[g] >> index_bits, ti.u8)
+        shown[g] = alive[g] & (ti.u8(1) - (inside & in_front & alive[h]))

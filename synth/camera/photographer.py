@@ -7,7 +7,7 @@ import numpy as np
 from synth.camera.cover import Cover, cover
 from synth.camera.exchange import grains_at
 from synth.camera.glass import Glass
-from synth.camera.hiding import hiders
+from synth.camera.hiding import Hiders
 from synth.camera.nuisance import flicker
 from synth.camera.picture import Film, expose, light_on_sensor
 from synth.camera.shutter import instants
@@ -34,7 +34,7 @@ class Photographer:
         self._scene, self._recording, self._grains, self._motion = scene, recording, grains, motion
         self._clock = clock or StageClock()
         self._glass = Glass.of(scene, recording)
-        self._hider = hiders(grains)
+        self._hiders = Hiders.of(grains)
         self._covered: Cover | None = None
         self._film: Film | None = None
 
@@ -68,7 +68,7 @@ class Photographer:
                 recording,
                 grains,
                 placement,
-                hider=self._hider,
+                hiders=self._hiders,
                 reuse=self._covered,
                 picture=picture,
             )

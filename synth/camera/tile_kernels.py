@@ -19,8 +19,6 @@ _u8 = ti.types.ndarray(dtype=ti.u8, ndim=1)
 
 STEP = 2.0**-14
 """Samples; places are rounded to this, so that they are the same wherever a tile begins."""
-SLACK = 1e-3
-"""px; a grain that hides another reaches at least as much further: more than rounding can do."""
 NONE, SEVERAL = -1, -2
 """Instead of the tile that a grain touches."""
 
@@ -47,47 +45,24 @@ def _tiles_around(at, sampling, tile, columns, rows):
     return ti.Vector([low_i, high_i, low_j, high_j])
 
 
-@ti.func
-def _is_hidden(
-    g,
-    h,
-    x: ti.template(),
-    z: ti.template(),
-    diameter: ti.template(),
-    alive: ti.template(),
-    depth: ti.template(),
-    pixels_per_metre,
-    index_bits,
-):
-    """Whether a living grain lies in front, and reaches further than this one all around."""
-    less, slack = 0.5 * (diameter[h] - diameter[g]), SLACK / pixels_per_metre
-    off_x, off_z = x[g] - x[h], z[g] - z[h]
-    inside = less > slack and off_x * off_x + off_z * off_z < (less - slack) * (less - slack)
-    return inside and alive[h] == 1 and depth[h] >> index_bits < depth[g] >> index_bits
-
-
 @ti.kernel
 def count_in_tiles(
     x: _f64,
     z: _f64,
     diameter: _f64,
-    alive: _u8,
-    depth: _i32,
-    hider: _i32,
+    drawn: _u8,
     view: projection.numbers,
     sampling: ti.template(),
     margin: ti.i32,
     tile: ti.template(),
     columns: ti.i32,
-    index_bits: ti.i32,
     count: _i32_table,
     touched: _i32,
 ):
     """Count the grains of every part in every tile, and note the tile that each one touches.
 
-    `touched` is `NONE` for grains that are not in view or lie wholly behind their `hider` (-1: nobody is asked
-    for), and `SEVERAL` for those in more than one tile. A lens that distorts makes no discs of discs:
-    then nobody is asked for either.
+    `touched` is `NONE` for grains that are not in view or not to be drawn, and `SEVERAL` for those in more
+    than one tile.
     """
     size = (x.shape[0] + count.shape[0] - 1) // count.shape[0]
     rows = count.shape[1] // columns
@@ -97,21 +72,16 @@ def count_in_tiles(
         part = share // SHARES
         for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
             found = NONE
-            if alive[g] == 1:
-                h = hider[g]
-                hidden = False
-                if h >= 0 and view[5] == 0.0:
-                    hidden = _is_hidden(g, h, x, z, diameter, alive, depth, view[0], index_bits)
-                if not hidden:
-                    at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
-                    box = _tiles_around(at, sampling, tile, columns, rows)
-                    for j in range(box[2], box[3] + 1):
-                        for i in range(box[0], box[1] + 1):
-                            count[part, j * columns + i] += 1
-                    if box[0] == box[1] and box[2] == box[3]:
-                        found = box[2] * columns + box[0]
-                    elif box[0] <= box[1] and box[2] <= box[3]:
-                        found = SEVERAL
+            if drawn[g] == 1:
+                at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
+                box = _tiles_around(at, sampling, tile, columns, rows)
+                for j in range(box[2], box[3] + 1):
+                    for i in range(box[0], box[1] + 1):
+                        count[part, j * columns + i] += 1
+                if box[0] == box[1] and box[2] == box[3]:
+                    found = box[2] * columns + box[0]
+                elif box[0] <= box[1] and box[2] <= box[3]:
+                    found = SEVERAL
             touched[g] = found
 
 

@@ -8,6 +8,7 @@ from synth.camera.view import View
 if TYPE_CHECKING:
     import numpy as np
 
+    from synth.camera.hiding import Hiders
     from synth.camera.motion import Placement
     from synth.camera.texture import MicroGrains
 
@@ -58,7 +59,7 @@ def sort_into_tiles(
     sampling: int,
     margin: int,
     *,
-    hider: "np.ndarray | None" = None,
+    hiders: "Hiders | None" = None,
 ) -> TiledGrains:
     """Sort the living grains that touch the picture, or its margin, into tiles.
 
@@ -68,8 +69,8 @@ def sort_into_tiles(
         Samples along each side of a pixel.
     margin : int
         px around the picture.
-    hider : (grain,) int32, optional
-        As `synth.camera.hiding.hiders` finds them; grains that lie wholly behind theirs are left out.
+    hiders : Hiders, optional
+        Grains that lie wholly behind theirs are left out.
 
     Raises
     ------
@@ -79,16 +80,15 @@ def sort_into_tiles(
     import numpy as np
 
     from synth.camera import tile_kernels
-    from synth.camera.hiding import NOBODY
 
     columns = -(-(view.width + 2 * margin) // TILE)
     tiles = columns * -(-(view.height + 2 * margin) // TILE)
     index_bits = (2 * grains.count + 64 * tiles).bit_length()
-    hider = np.full(grains.count, NOBODY, np.int32) if hider is None else hider
+    drawn = placement.alive if hiders is None else hiders.not_hidden(grains, placement, view, index_bits)
     count, touched = np.zeros((_BLOCK_COUNT, tiles), np.int32), np.empty(grains.count, np.int32)
     at, depth = (placement.x, placement.z, grains.diameter), grains.depth
-    frame = (tile_kernels.projection.numbers(view.numbers), sampling, margin, TILE, columns, index_bits)
-    tile_kernels.count_in_tiles(*at, placement.alive, depth, hider, *frame, count, touched)
+    frame = (tile_kernels.projection.numbers(view.numbers), sampling, margin, TILE, columns)
+    tile_kernels.count_in_tiles(*at, drawn, *frame, count, touched)
     ends = np.cumsum(count.T, dtype=np.int64)
     total = int(ends[-1]) if len(ends) else 0
     if total >= 1 << index_bits or index_bits > _KEY_BITS - 5:
@@ -97,5 +97,5 @@ def sort_into_tiles(
     first = np.append(start[0], total).astype(np.int32)
     place = np.empty((total, 3), np.float32)
     key, grain = np.empty(total, np.int32), np.empty(total, np.int32)
-    tile_kernels.sort_into_tiles(*at, touched, depth, *frame, start, place, key, grain)
+    tile_kernels.sort_into_tiles(*at, touched, depth, *frame, index_bits, start, place, key, grain)
     return TiledGrains(first, columns, place, key, grain, index_bits)
