@@ -60,6 +60,15 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
     return ti
 
 
+def thread_count() -> int:
+    """Threads that kernels run on; every core before taichi was started."""
+    with standard_output_to_error():
+        import taichi as ti
+
+        chosen = ti.lang.impl.current_cfg().cpu_max_num_threads if _started(ti) else os.cpu_count()
+    return int(chosen or 1)
+
+
 def _require_device(ti: Any, device: str) -> None:
     if device == "cuda" and not ti.lang.misc.is_arch_supported(ti.cuda):
         raise ValueError("device = 'cuda': no CUDA device is found here")
