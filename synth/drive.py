@@ -135,7 +135,64 @@ class Cutting(Table):
         return Program.of([*knots, (-0.5 * duration, *level), (0.0, *level)], heaves=False)
 
 
-Drive = Annotated[Rolling | Pushing | Cutting, Field(discriminator="kind")]
+class Towed(Table):
+    """A wheel that turns slower than it travels, held back by its brake, sinking freely under its dead load."""
+
+    kind: Literal["towed"]
+    speed: float = Field(gt=0, description="m/s, of the carriage, towards +x")
+    skid: float = Field(ge=-1, lt=0, description="rim speed / carriage speed - 1; -1: locked")
+    start: float = Field(gt=0, description="m, axle's distance from the left end wall at touch-down")
+    run_in: float = Field(gt=0, description="m of travel before the first frame")
+
+    def program(self, implement: Implement) -> Program:
+        """Touch down while already moving, then constant speed."""
+        wheel = _wheel(implement, self.kind)
+        full = (self.speed, 0.0, -self.speed * (1 + self.skid) / wheel.radius, 1.0)
+        ramp = 2 * _RAMP_SHARE * self.run_in / self.speed
+        begin = -(self.run_in / self.speed + ramp / 2)
+        return Program.of([(begin, 0.0, 0.0, 0.0, 0.0), (begin + ramp, *full), (0.0, *full)], heaves=True)
+
+
+class PushRolling(Table):
+    """A wheel's whole cycle of push-rolling: it rolls, is braked, is pushed backwards, and rolls on.
+
+    (Paper, section 4.1: each wheel in turn rolls while the other one is static.) Every phase ends in a rest.
+    """
+
+    kind: Literal["push_rolling"]
+    speed: float = Field(gt=0, description="m/s, of the carriage, forwards and backwards")
+    slip: float = Field(
+        ge=0, lt=1, description="while it rolls: 1 - carriage speed / rim speed (paper, Eq. 1)"
+    )
+    start: float = Field(gt=0, description="m, axle's distance from the left end wall at touch-down")
+    loading: float = Field(gt=0, description="s over which the load grows")
+    rest: float = Field(gt=0, description="s at rest between the phases")
+    rolled_in: float = Field(gt=0, description="m of travel before the first frame")
+    pushed: float = Field(gt=0, description="m, backwards, the wheel braked")
+
+    def program(self, implement: Implement) -> Program:
+        """Load, roll in, rest, push from time 0, rest, roll on."""
+        wheel = _wheel(implement, self.kind)
+        rolling = (self.speed, 0.0, -self.speed / (1 - self.slip) / wheel.radius, 1.0)
+        pushed = (-self.speed, 0.0, 0.0, 1.0)
+        still = (0.0, 0.0, 0.0, 1.0)
+        ramp = 0.25 * min(self.rest, self.rolled_in / self.speed, self.pushed / self.speed)
+        # Two ramps, up and down, count as one of full speed.
+        lasts = [
+            (rolling, self.rolled_in / self.speed - ramp),
+            (still, self.rest),
+            (pushed, self.pushed / self.speed - ramp),
+            (still, self.rest),
+        ]
+        time = -(self.rolled_in / self.speed + self.rest + ramp)
+        knots = [(time - self.loading, 0.0, 0.0, 0.0, 0.0), (time, *still)]
+        for state, duration in lasts:
+            knots += [(time + ramp, *state), (time + ramp + duration, *state)]
+            time += ramp + duration
+        return Program.of([*knots, (time + ramp, *rolling)], heaves=True)
+
+
+Drive = Annotated[Rolling | Pushing | Cutting | Towed | PushRolling, Field(discriminator="kind")]
 """How an implement can be driven."""
 
 

@@ -1,0 +1,99 @@
+"""Laws of pressure and sinkage, for comparison: Bekker-Wong-Janosi, and its variant on vertical columns (SCM).
+
+Bekker's pressure k z^n under a rim (M. G. Bekker, *Introduction to Terrain-Vehicle Systems*, 1969) and Janosi's shear
+(Z. Janosi, B. Hanamoto, 1961; J. Y. Wong, *Theory of Ground Vehicles*). The soil contact model SCM (Krenn, Hirzinger,
+2008) lets the same pressure act vertically on columns of soil, and the same shear horizontally. Both get what they need
+to serve a vehicle that stands, reverses and follows in ruts: pressure that goes back elastically, shear displacement that
+every element of the rim carries along, and the tracks of `synth.rover.law.ground`.
+"""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.rover.law.response import SoilError
+from synth.rover.law.rim_law import ELEMENTS, RimLaw
+from synth.rover.law.touch import Touch
+
+
+@dataclass(frozen=True)
+class BekkerSoil:
+    """Bekker's and Janosi's constants.
+
+    Attributes
+    ----------
+    modulus : float
+        k = kc / b + kphi in pressure = k sinkage^n, Pa/m^n.
+    exponent : float
+        n.
+    cohesion : float
+        Pa.
+    friction : float
+        Tangent of the angle of internal friction.
+    shear_modulus : float
+        Janosi's K, m.
+    stiffness : float
+        Of pressure that goes back, Pa/m.
+    """
+
+    modulus: float
+    exponent: float
+    friction: float
+    shear_modulus: float
+    stiffness: float
+    cohesion: float = 0.0
+
+    def __post_init__(self) -> None:
+        for field in fields(self):
+            value = getattr(self, field.name)
+            if not (value > 0 or (field.name == "cohesion" and value == 0)):
+                raise SoilError(f"{field.name} = {value}: above 0 is allowed")
+
+
+class BekkerLaw(RimLaw):
+    """Pressure normal to the rim, shear along it.
+
+    Parameters
+    ----------
+    soil : BekkerSoil
+    rim_stiffness : float, optional
+        Of a pneumatic wheel, Pa/m; default: a rigid wheel.
+    element_count : int
+        Of the lower 160 degrees of each rim.
+    """
+
+    def __init__(
+        self, soil: BekkerSoil, *, rim_stiffness: float | None = None, element_count: int = ELEMENTS
+    ) -> None:
+        # Soil does not come back: Bekker's wheel leaves a rut as deep as it sank.
+        super().__init__(
+            rut_share=1.0,
+            soil_stiffness=soil.stiffness,
+            rim_stiffness=rim_stiffness,
+            element_count=element_count,
+        )
+        self.soil = soil
+
+    def _step(self, touch: Touch, time_step: float) -> float:
+        soil = self.soil
+        bearing = soil.modulus * touch.depth**soil.exponent
+        elastic = np.maximum(self.pressure + soil.stiffness * time_step * touch.into, 0.0)
+        self.pressure = np.minimum(elastic, bearing)
+        strength = (soil.cohesion + soil.friction * self.pressure) * (self.pressure > 0)
+        # Janosi's (1 - exp(-j / K)) in steps of j, so that what slides back has to be sheared anew.
+        sheared = -np.expm1(-np.abs(touch.along) * time_step / soil.shear_modulus)
+        shear = self.shear + sheared * (-np.sign(touch.along) * strength - self.shear)
+        self.shear = np.clip(shear, -strength, strength)
+        return 0.0
+
+
+class ColumnLaw(BekkerLaw):
+    """The same pressure vertically on columns, the same shear horizontally, after SCM."""
+
+    def _directions(self, touch: Touch) -> tuple[NDArray, NDArray, NDArray]:
+        zero = np.zeros_like(touch.sine)
+        return zero, zero + 1.0, self._rims.area * touch.cosine
+
+    def _torque(self, touch: Touch, force_x: NDArray, force_z: NDArray) -> NDArray:
+        return -(self._rims.radius * (touch.sine * force_z + touch.cosine * force_x)).sum(axis=1)

@@ -1,0 +1,141 @@
+"""Resistive force theory with memory: elastic until the grains flow, ruts where wheels have been.
+
+Each element of the rim holds the traction of the soil on it. Motion changes it elastically; where it would do more
+work than flowing soil can take (`synth.rover.law.response`), the surplus is flow, and with flow the traction goes over
+to that of steady flow. Splitting motion into an elastic and a flowing part is the idea of elastic resistive force theory
+(Yilmaz, Douglas, Perron, Kamrin, *Soft Matter*, 2026, DOI 10.1039/D6SM00040A); its equations were not at hand, these are
+this project's own. An element that leaves the soil gives its pressure back elastically, and slides on it by friction.
+"""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.rover.law.response import SoilError, generic_response
+from synth.rover.law.rim_law import ELEMENTS, RimLaw
+from synth.rover.law.touch import Touch
+
+_LEAST_SPEED = 1e-12
+"""m/s; slower is standing still, which has no direction."""
+_LEAST_TRACTION = 1e-9
+"""Pa."""
+
+
+@dataclass(frozen=True)
+class ResistiveSoil:
+    """What the law has to know of a soil.
+
+    Attributes
+    ----------
+    scale : float
+        Traction of flowing soil / (depth x generic traction), Pa/m: `published_scale`, or identified.
+    surface_friction : float
+        Between rim and soil.
+    stiffness : float
+        Traction / displacement before the soil flows, Pa/m.
+    rut_share : float
+        Depth of the rut behind a wheel / depth of the wheel below the surface before.
+    hardening : float
+        Scale where a wheel has passed / scale of fresh soil.
+    damping_time : float
+        Viscous / elastic stiffness, s; acts on elastic motion alone, so that a vehicle does not ring.
+    """
+
+    scale: float
+    surface_friction: float
+    stiffness: float
+    rut_share: float = 1.0
+    hardening: float = 1.0
+    damping_time: float = 2e-3
+
+    def __post_init__(self) -> None:
+        for name in ("scale", "surface_friction", "stiffness", "hardening"):
+            if not getattr(self, name) > 0:
+                raise SoilError(f"{name} = {getattr(self, name)}: above 0 is allowed")
+        if not 0 <= self.rut_share <= 1:
+            raise SoilError(f"rut_share = {self.rut_share}: 0 to 1 is allowed")
+        if not self.damping_time >= 0:
+            raise SoilError(f"damping_time = {self.damping_time}: 0 s or more is allowed")
+
+
+@dataclass(frozen=True)
+class Flow:
+    """Traction that flowing soil puts on elements moving as they do, Pa, and the motion's direction.
+
+    `into` and `along` are the direction's components, against the soil and along the tangent.
+    """
+
+    pressure: NDArray
+    shear: NDArray
+    into: NDArray
+    along: NDArray
+
+    @property
+    def work(self) -> NDArray:
+        """Dissipated per displacement and area, Pa: what a traction may do against this motion at most."""
+        return self.pressure * self.into - self.shear * self.along
+
+
+class ResistiveForceLaw(RimLaw):
+    """Resistive force theory as the yield surface of elastic elements.
+
+    Parameters
+    ----------
+    soil : ResistiveSoil
+    rim_stiffness : float, optional
+        Of a pneumatic wheel, Pa/m; default: a rigid wheel.
+    element_count : int
+        Of the lower 160 degrees of each rim.
+    """
+
+    def __init__(
+        self, soil: ResistiveSoil, *, rim_stiffness: float | None = None, element_count: int = ELEMENTS
+    ) -> None:
+        super().__init__(
+            rut_share=soil.rut_share,
+            soil_stiffness=soil.stiffness,
+            rim_stiffness=rim_stiffness,
+            element_count=element_count,
+        )
+        self.soil = soil
+
+    def _step(self, touch: Touch, time_step: float) -> NDArray:
+        soil, gain = self.soil, self.soil.stiffness * time_step
+        speed = np.sqrt(touch.into * touch.into + touch.along * touch.along) + _LEAST_SPEED
+        flow = self._flow(touch, touch.into / speed, touch.along / speed)
+        pressure = np.maximum(self.pressure + gain * touch.into, 0.0)
+        shear = self._rubbed(self.shear - gain * touch.along, pressure)
+        # What the elastic traction would do beyond what flowing soil takes is flow.
+        excess = np.maximum(pressure * flow.into - shear * flow.along - flow.work, 0.0)
+        excess *= touch.into > 0
+        pressure -= excess * flow.into
+        shear += excess * flow.along
+        # Within a displacement of traction / stiffness, flow leads to the traction of steady flow.
+        steady = np.sqrt(flow.pressure * flow.pressure + flow.shear * flow.shear) + _LEAST_TRACTION
+        reached = -np.expm1(-excess / steady)
+        pressure += reached * (flow.pressure - pressure)
+        shear += reached * (flow.shear - shear)
+        self.pressure = np.maximum(pressure, 0.0) * (touch.depth > 0)
+        self.shear = self._rubbed(shear, self.pressure)
+        elastic = 1 - np.minimum(excess / (gain * speed), 1.0)
+        return soil.damping_time * soil.stiffness * touch.into * elastic * (self.pressure > 0)
+
+    def _flow(self, touch: Touch, into: NDArray, along: NDArray) -> Flow:
+        """Of soil around elements that move in given directions."""
+        sine, cosine = touch.sine, touch.cosine
+        velocity_x, velocity_z = into * sine + along * cosine, along * sine - into * cosine
+        generic = generic_response(sine, -cosine, velocity_x, velocity_z)
+        level = self._scale(touch) * touch.depth
+        pressure = level * np.maximum(generic.pressure, 0.0)
+        return Flow(pressure, self._rubbed(level * generic.shear, pressure), into, along)
+
+    def _scale(self, touch: Touch) -> NDArray | float:
+        if self.soil.hardening == 1:
+            return self.soil.scale
+        return self.soil.scale * np.where(self._tracks.passes(touch.x) > 0, self.soil.hardening, 1.0)
+
+    def _rubbed(self, shear: NDArray, pressure: NDArray) -> NDArray:
+        """Shear, held to surface friction."""
+        limit = self.soil.surface_friction * pressure
+        return np.minimum(np.maximum(shear, -limit), limit)
