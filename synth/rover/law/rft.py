@@ -13,11 +13,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.rover.law.response import SoilError, generic_response
+from synth.rover.law.rim import carried
 from synth.rover.law.rim_law import ELEMENTS, RimLaw
 from synth.rover.law.touch import Touch
 
-_LEAST_SPEED = 1e-12
-"""m/s; slower is standing still, which has no direction."""
+_LEASH = 0.005
+"""Way over which the direction of flow turns / radius; assumed."""
+_LEAST_LENGTH = 1e-15
+"""m; what moved by less has no direction."""
 _LEAST_TRACTION = 1e-9
 """Pa."""
 
@@ -100,15 +103,24 @@ class ResistiveForceLaw(RimLaw):
         )
         self.soil = soil
 
+    def reset(self) -> None:
+        """Forget ruts, tractions and which way the soil flowed."""
+        super().reset()
+        self._into, self._along = np.zeros_like(self.pressure), np.zeros_like(self.pressure)
+
+    def _carry(self, moved: NDArray) -> None:
+        super()._carry(moved)
+        self._into, self._along = carried(self._into, moved), carried(self._along, moved)
+
     def _step(self, touch: Touch, time_step: float) -> NDArray:
-        soil, gain = self.soil, self.soil.stiffness * time_step
-        speed = np.sqrt(touch.into * touch.into + touch.along * touch.along) + _LEAST_SPEED
-        flow = self._flow(touch, touch.into / speed, touch.along / speed)
-        pressure = np.maximum(self.pressure + gain * touch.into, 0.0)
-        shear = self._rubbed(self.shear - gain * touch.along, pressure)
+        soil = self.soil
+        into, along = touch.into * time_step, touch.along * time_step
+        flow = self._flow(touch, *self._direction(touch, into, along))
+        pressure = np.maximum(self.pressure + soil.stiffness * into, 0.0)
+        shear = self._rubbed(self.shear - soil.stiffness * along, pressure)
         # What the elastic traction would do beyond what flowing soil takes is flow.
         excess = np.maximum(pressure * flow.into - shear * flow.along - flow.work, 0.0)
-        excess *= touch.into > 0
+        excess *= flow.into > 0
         pressure -= excess * flow.into
         shear += excess * flow.along
         # Within a displacement of traction / stiffness, flow leads to the traction of steady flow.
@@ -118,8 +130,24 @@ class ResistiveForceLaw(RimLaw):
         shear += reached * (flow.shear - shear)
         self.pressure = np.maximum(pressure, 0.0) * (touch.depth > 0)
         self.shear = self._rubbed(shear, self.pressure)
-        elastic = 1 - np.minimum(excess / (gain * speed), 1.0)
-        return soil.damping_time * soil.stiffness * touch.into * elastic * (self.pressure > 0)
+        return soil.damping_time * soil.stiffness * touch.into * (excess == 0) * (self.pressure > 0)
+
+    def _direction(self, touch: Touch, into: NDArray, along: NDArray) -> tuple[NDArray, NDArray]:
+        """Direction in which soil flows around elements: that from a point they drag behind on a leash.
+
+        What goes to and fro by less than the leash does not turn it.
+
+        Parameters
+        ----------
+        into, along : ndarray
+            Moved since the last call, m.
+        """
+        in_soil, leash = touch.depth > 0, _LEASH * self._rims.radius
+        into, along = (self._into + into) * in_soil, (self._along + along) * in_soil
+        length = np.sqrt(into * into + along * along) + _LEAST_LENGTH
+        kept = np.minimum(leash / length, 1.0)
+        self._into, self._along = kept * into, kept * along
+        return into / length, along / length
 
     def _flow(self, touch: Touch, into: NDArray, along: NDArray) -> Flow:
         """Of soil around elements that move in given directions."""

@@ -39,6 +39,8 @@ class RimLaw(ABC):
 
     Attributes
     ----------
+    soil_stiffness : float
+        Pa/m.
     pressure, shear : ndarray, shape (wheel_count, element_count)
         Of the soil on the elements, Pa: against the outward normal, and along the tangent.
     """
@@ -53,6 +55,7 @@ class RimLaw(ABC):
     ) -> None:
         if rim_stiffness is not None and not rim_stiffness > 0:
             raise SoilError(f"rim_stiffness = {rim_stiffness}: above 0 Pa/m, or none at all, is allowed")
+        self.soil_stiffness = soil_stiffness
         self._rut_share, self._rim_stiffness, self._element_count = rut_share, rim_stiffness, element_count
         stiffness_ratio = 0.0 if rim_stiffness is None else rim_stiffness / soil_stiffness
         self._relaxation = min(_RELAXATION, 0.5 * stiffness_ratio)
@@ -86,7 +89,7 @@ class RimLaw(ABC):
         """Forces at `states`, `time_step` (s) after the last call."""
         rim = self._rims.at(states.angle)
         if rim.moved.any():
-            self.pressure, self.shear = carried(self.pressure, rim.moved), carried(self.shear, rim.moved)
+            self._carry(rim.moved)
         touch = self._touch(rim, states)
         viscous = self._step(touch, time_step)
         if self._rim_stiffness is not None:
@@ -96,6 +99,10 @@ class RimLaw(ABC):
     @abstractmethod
     def _step(self, touch: Touch, time_step: float) -> NDArray | float:
         """Step `pressure` and `shear`; give the pressure that acts besides, Pa."""
+
+    def _carry(self, moved: NDArray) -> None:
+        """Let what elements keep follow the rims, which turned on by whole elements."""
+        self.pressure, self.shear = carried(self.pressure, moved), carried(self.shear, moved)
 
     def _directions(self, touch: Touch) -> tuple[NDArray, NDArray, NDArray]:
         """Sine and cosine of what pressure acts along, from the vertical, and the area it acts on, m2."""
