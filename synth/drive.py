@@ -136,7 +136,7 @@ class Cutting(Table):
 
 
 class Towed(Table):
-    """A wheel that turns slower than it travels, held back by its brake, sinking freely under its dead load."""
+    """A wheel that turns slower than it travels, held back by its brake, sinking freely under its load."""
 
     kind: Literal["towed"]
     speed: float = Field(gt=0, description="m/s, of the carriage, towards +x")

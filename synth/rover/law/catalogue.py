@@ -17,6 +17,8 @@ _SURFACE_FRICTION = 0.5
 """Assumed: a wheel covered with what it rolls on, as in the scenes."""
 _STIFFNESS_RATIO = 5.0
 """Elastic stiffness / scale; assumed."""
+_SHEAR_SHARE = 0.05
+"""Of the elastic stiffness, along the surface: identified in the granular bin, see docs/wheel_law.md."""
 _RUT_SHARE = 0.5
 """Of the sinkage, left as rut: seen behind the wheel in the granular bin."""
 _BEKKER = BekkerSoil(
@@ -79,6 +81,7 @@ def loose_grc1() -> ResistiveSoil:
         scale=scale,
         surface_friction=_SURFACE_FRICTION,
         stiffness=_STIFFNESS_RATIO * scale,
+        shear_share=_SHEAR_SHARE,
         rut_share=_RUT_SHARE,
     )
 

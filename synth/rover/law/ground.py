@@ -46,7 +46,7 @@ class Tracks:
         return self._passes[self._track[:, None], column + (share > 0.5)]
 
     def follow(self, x: NDArray, lowest: NDArray) -> None:
-        """Lower the columns that the axles passed since the last call, at `x` with their rims down to `lowest`."""
+        """Lower the columns that the axles, now at `x`, passed: down to `lowest`, where the rims are."""
         column = np.floor(x / self._spacing).astype(np.int64)
         if self._column is None:
             self._column = column

@@ -1,10 +1,11 @@
-"""Laws of pressure and sinkage, for comparison: Bekker-Wong-Janosi, and its variant on vertical columns (SCM).
+"""Laws of pressure and sinkage, for comparison: Bekker-Wong-Janosi, and the same on vertical columns (SCM).
 
-Bekker's pressure k z^n under a rim (M. G. Bekker, *Introduction to Terrain-Vehicle Systems*, 1969) and Janosi's shear
-(Z. Janosi, B. Hanamoto, 1961; J. Y. Wong, *Theory of Ground Vehicles*). The soil contact model SCM (Krenn, Hirzinger,
-2008) lets the same pressure act vertically on columns of soil, and the same shear horizontally. Both get what they need
-to serve a vehicle that stands, reverses and follows in ruts: pressure that goes back elastically, shear displacement that
-every element of the rim carries along, and the tracks of `synth.rover.law.ground`.
+Bekker's pressure k z^n under a rim (M. G. Bekker, *Introduction to Terrain-Vehicle Systems*, 1969) and
+Janosi's shear (Z. Janosi, B. Hanamoto, 1961; J. Y. Wong, *Theory of Ground Vehicles*). The soil contact
+model SCM (Krenn, Hirzinger, 2008) lets the same pressure act vertically on columns of soil, and the same
+shear horizontally. Both get what they need to serve a vehicle that stands, reverses and follows in ruts:
+pressure that goes back elastically, shear displacement that every element of the rim carries along, and the
+tracks of `synth.rover.law.ground`.
 """
 
 from dataclasses import dataclass, fields

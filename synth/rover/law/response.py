@@ -1,8 +1,8 @@
 """Resistive force theory: the traction of flowing grains on a piece of surface, in the plane of a wheel.
 
 Three-dimensional resistive force theory (Agarwal, Goldman, Kamrin, *PNAS* 120(4), 2023, DOI
-10.1073/pnas.2214017120), restricted to surfaces whose normal lies in the plane of motion. Its generic form is a
-vector in the three directions that there are,
+10.1073/pnas.2214017120), restricted to surfaces whose normal lies in the plane of motion. Its generic form
+is a vector in the three directions that there are,
 
     alpha = f1 n + f2 v - f3 z,
 

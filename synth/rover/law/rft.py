@@ -1,10 +1,11 @@
 """Resistive force theory with memory: elastic until the grains flow, ruts where wheels have been.
 
-Each element of the rim holds the traction of the soil on it. Motion changes it elastically; where it would do more
-work than flowing soil can take (`synth.rover.law.response`), the surplus is flow, and with flow the traction goes over
-to that of steady flow. Splitting motion into an elastic and a flowing part is the idea of elastic resistive force theory
-(Yilmaz, Douglas, Perron, Kamrin, *Soft Matter*, 2026, DOI 10.1039/D6SM00040A); its equations were not at hand, these are
-this project's own. An element that leaves the soil gives its pressure back elastically, and slides on it by friction.
+Each element of the rim holds the traction of the soil on it. Motion changes it elastically; where it would
+do more work than flowing soil can take (`synth.rover.law.response`), the surplus is flow, and with flow the
+traction goes over to that of steady flow. Splitting motion into an elastic and a flowing part is the idea of
+elastic resistive force theory (Yilmaz, Douglas, Perron, Kamrin, *Soft Matter*, 2026, DOI
+10.1039/D6SM00040A); its equations were not at hand, these are this project's own. An element that leaves the
+soil gives its pressure back elastically, and slides on it by friction.
 """
 
 from dataclasses import dataclass
@@ -37,6 +38,8 @@ class ResistiveSoil:
         Between rim and soil.
     stiffness : float
         Traction / displacement before the soil flows, Pa/m.
+    shear_share : float
+        Stiffness along the surface / `stiffness`.
     rut_share : float
         Depth of the rut behind a wheel / depth of the wheel below the surface before.
     hardening : float
@@ -48,12 +51,13 @@ class ResistiveSoil:
     scale: float
     surface_friction: float
     stiffness: float
+    shear_share: float = 1.0
     rut_share: float = 1.0
     hardening: float = 1.0
     damping_time: float = 2e-3
 
     def __post_init__(self) -> None:
-        for name in ("scale", "surface_friction", "stiffness", "hardening"):
+        for name in ("scale", "surface_friction", "stiffness", "shear_share", "hardening"):
             if not getattr(self, name) > 0:
                 raise SoilError(f"{name} = {getattr(self, name)}: above 0 is allowed")
         if not 0 <= self.rut_share <= 1:
@@ -117,12 +121,14 @@ class ResistiveForceLaw(RimLaw):
         into, along = touch.into * time_step, touch.along * time_step
         flow = self._flow(touch, *self._direction(touch, into, along))
         pressure = np.maximum(self.pressure + soil.stiffness * into, 0.0)
-        shear = self._rubbed(self.shear - soil.stiffness * along, pressure)
+        shear = self._rubbed(self.shear - soil.stiffness * soil.shear_share * along, pressure)
         # What the elastic traction would do beyond what flowing soil takes is flow.
         excess = np.maximum(pressure * flow.into - shear * flow.along - flow.work, 0.0)
         excess *= flow.into > 0
-        pressure -= excess * flow.into
-        shear += excess * flow.along
+        resists = flow.into * flow.into + soil.shear_share * flow.along * flow.along + _LEAST_TRACTION
+        given = excess / resists
+        pressure -= given * flow.into
+        shear += given * soil.shear_share * flow.along
         # Within a displacement of traction / stiffness, flow leads to the traction of steady flow.
         steady = np.sqrt(flow.pressure * flow.pressure + flow.shear * flow.shear) + _LEAST_TRACTION
         reached = -np.expm1(-excess / steady)

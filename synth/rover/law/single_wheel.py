@@ -21,7 +21,7 @@ _GREATEST_FALL = 1e-3
 _SHALLOWEST = 0.01
 """Sinkage / radius that a wheel's stiffness on the ground is reckoned with, at least."""
 _PERSISTENCE, _RESPONSE = 0.8, 0.4
-"""Share of an axle's last step that it keeps, and of what the load lacks that it follows: critically damped."""
+"""Share of an axle's last step that it keeps, and of what the load lacks that it follows."""
 
 
 @dataclass(frozen=True)
@@ -46,14 +46,14 @@ class Paths:
     def at_slip(
         cls, slip: NDArray, load: NDArray, radius: NDArray, *, travel: NDArray, step_count: int
     ) -> "Paths":
-        """Steady slip, or skid where negative, over `travel` (m) of the axle; the load grows over a fifth of it."""
+        """Steady slip (skid below 0) over `travel` (m) of the axle; the load grows over a fifth of it."""
         done = np.linspace(0, 1, step_count)[:, None]
         rim = np.where(slip >= 0, 1 / (1 - np.maximum(slip, 0)), 1 + np.minimum(slip, 0))
         return cls(done * travel, done * travel * rim / radius, np.minimum(5 * done, 1) * load)
 
     @classmethod
     def of_scene(cls, scene: "SoilBinScene", *, longest_step: float = 1e-4) -> tuple["Paths", NDArray]:
-        """The path of a scene's wheel, in steps of at most `longest_step` (m), and the laboratory's times (s)."""
+        """The path of a scene's wheel in steps of at most `longest_step` (m), and their times (s)."""
         program, wheel = scene.program, scene.implement
         radius = wheel.radius  # type: ignore[union-attr]
         fastest = max(np.abs(program.velocity_x).max(), np.abs(program.spin).max() * radius)
