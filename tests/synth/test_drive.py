@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from synth.drive import Cutting, Pushing, Rolling
+from synth.drive import Cutting, Pushing, PushRolling, Rolling, Towed
 from synth.implements import Bucket, RigidWheel
 
 WHEEL = RigidWheel(kind="rigid_wheel", radius=0.1, width=0.05, normal_load=30.0, moving_mass=0.3)
@@ -51,6 +51,38 @@ def test_cutting_goes_down_to_its_depth_and_stays_there():
     assert down == pytest.approx(-0.02, rel=1e-4)
     assert program.at(1.0) == (0.01, 0.0, 0.0, 0.0)
     assert not program.heaves
+
+
+@pytest.mark.parametrize("skid", [-1.0, -0.4])
+def test_a_towed_wheel_turns_slower_than_it_travels(skid):
+    program = Towed(kind="towed", speed=0.01, skid=skid, start=0.1, run_in=0.04).program(WHEEL)
+    assert program.travel(0.0) == pytest.approx(0.04, rel=1e-6)
+    for time in (0.99 * program.time[0], 0.0, 5.0):
+        vx, _, spin, load = program.at(time)
+        assert -spin * WHEEL.radius == pytest.approx(vx * (1 + skid))
+        assert 0 < load <= 1
+
+
+def test_a_cycle_of_push_rolling_rolls_rests_is_pushed_rests_and_rolls_on():
+    drive = PushRolling(
+        kind="push_rolling",
+        speed=0.008,
+        slip=0.2,
+        start=0.15,
+        loading=4.0,
+        rest=0.5,
+        rolled_in=0.05,
+        pushed=0.012,
+    )
+    program = drive.program(WHEEL)
+    assert program.at(program.time[0]) == (0, 0, 0, 0)
+    assert program.travel(0.0) == pytest.approx(0.05)
+    assert program.travel(0.0) - program.travel(1.8) == pytest.approx(0.012)
+    assert program.at(0.8) == (-0.008, 0.0, 0.0, 1.0)
+    for rest in (-0.2, 1.9):
+        assert program.at(rest) == (0.0, 0.0, 0.0, 1.0)
+    vx, _, spin, _ = program.at(5.0)
+    assert 1 - vx / (-spin * WHEEL.radius) == pytest.approx(0.2)
 
 
 def test_a_bucket_cannot_roll():

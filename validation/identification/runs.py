@@ -62,10 +62,12 @@ class SteadyRun:
         columns = np.stack([forces.sinkage, forces.force_x, forces.torque])[:, steady]
         blocks = np.array([part.mean(axis=1) for part in np.array_split(columns, _BLOCKS, axis=1)])
         errors = blocks.std(axis=0, ddof=1) / np.sqrt(_BLOCKS)
-        return cls(label, _trial(scene, columns.mean(axis=1)), _trial(scene, errors))
+        travel, run_in = float(forces.travel[-1]), float(forces.travel[steady][0])
+        measured = _trial(scene, columns.mean(axis=1), travel, 1 - run_in / travel)
+        return cls(label, measured, _trial(scene, errors, travel, 1 - run_in / travel))
 
 
-def _trial(scene: SoilBinScene, values: NDArray) -> Trial:
+def _trial(scene: SoilBinScene, values: NDArray, travel: float, averaged: float) -> Trial:
     wheel = scene.implement
     sinkage, drawbar_pull, torque = values.tolist()
     return Trial(
@@ -76,4 +78,6 @@ def _trial(scene: SoilBinScene, values: NDArray) -> Trial:
         sinkage=sinkage,
         drawbar_pull=drawbar_pull,
         torque=torque,
+        travel=travel / wheel.radius,  # type: ignore[union-attr]
+        averaged=averaged,
     )

@@ -48,11 +48,12 @@ def read_trials(path: Path) -> list[Trial]:
         The file does not hold what the rig recorded.
     """
     from scipy.io import loadmat
+    from scipy.io.matlab import MatReadError
 
     try:
         results = loadmat(path, squeeze_me=True, struct_as_record=False)["all_results"]
         straight = [one for one in np.ravel(results) if one.beta == 0]
-    except (KeyError, ValueError, AttributeError, NotImplementedError):
+    except (KeyError, ValueError, AttributeError, NotImplementedError, MatReadError):
         raise RigError(f"{path}: a MATLAB file with the struct array 'all_results' is needed") from None
     if not straight:
         raise RigError(f"{path}: no trial with beta = 0")

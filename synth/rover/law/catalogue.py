@@ -1,6 +1,8 @@
 """The laws there are, by name, with the soil of the published drawbar test."""
 
+import json
 import math
+from pathlib import Path
 from typing import Literal
 
 from synth.rover.law.pressure_sinkage import BekkerLaw, BekkerSoil, ColumnLaw
@@ -93,3 +95,18 @@ def pneumatic_stiffness(*, load: float, width: float, radius: float, deflection:
     4/3 deflection x sqrt(2 radius deflection): for deflections that are small against the radius.
     """
     return load / (width * 4 / 3 * deflection * math.sqrt(2 * radius * deflection))
+
+
+def read_soil(path: str | Path) -> ResistiveSoil:
+    """Read the soil that `softbed identify` found: the table `soil` of its identification.json.
+
+    Raises
+    ------
+    SoilError
+        The file has no such table, or not the constants of a `ResistiveSoil`.
+    """
+    try:
+        table = json.loads(Path(path).read_text(encoding="utf-8"))["soil"]
+        return ResistiveSoil(**table)
+    except (ValueError, KeyError, TypeError) as error:
+        raise SoilError(f"{path}: the table 'soil' of softbed identify is needed ({error})") from None

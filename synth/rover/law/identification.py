@@ -22,11 +22,7 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
     "hardening": (0.1, 10.0),
 }
 """Where constants are looked for."""
-_TRAVEL = 1.2
-"""Travel / radius after which a wheel rolls steadily."""
 _STEPS = 600
-_STEADY = 0.25
-"""Share of the steps, the last ones, that are averaged."""
 _EVALUATIONS = 30
 _DIFFERENCE = 0.03
 """Of a constant's logarithm, to take a derivative over: elements make the law a little rough."""
@@ -44,6 +40,10 @@ class Trial:
         N, m, m.
     sinkage, drawbar_pull, torque : float
         m, N, N m; the torque is what drives the wheel. NaN: not measured.
+    travel : float
+        Of the axle from touch-down to the end, / radius.
+    averaged : float
+        Share of the travel, its end, that the means are of.
     """
 
     slip: float
@@ -53,6 +53,8 @@ class Trial:
     sinkage: float = float("nan")
     drawbar_pull: float = float("nan")
     torque: float = float("nan")
+    travel: float = 1.2
+    averaged: float = 0.25
 
 
 @dataclass(frozen=True)
@@ -88,11 +90,12 @@ class Identification:
 def predict(law: RimLaw, trials: Sequence[Trial]) -> list[Trial]:
     """What a law gives for trials, all at once."""
     wheels = [PlacedWheel(f"{k}", f"{k}", one.radius, one.width) for k, one in enumerate(trials)]
-    slip, load, radius = (
-        np.array([getattr(one, name) for one in trials]) for name in ("slip", "load", "radius")
+    slip, load, radius, travel, averaged = (
+        np.array([getattr(one, name) for one in trials])
+        for name in ("slip", "load", "radius", "travel", "averaged")
     )
-    paths = Paths.at_slip(slip, load, radius, travel=_TRAVEL * radius, step_count=_STEPS)
-    steady = lead(law, wheels, paths).mean(_STEADY)
+    paths = Paths.at_slip(slip, load, radius, travel=travel * radius, step_count=_STEPS)
+    steady = lead(law, wheels, paths).mean(averaged)
     return [
         replace(one, sinkage=float(sinkage), drawbar_pull=float(pull), torque=float(-torque))
         for one, sinkage, pull, torque in zip(

@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from synth.rover.law.response import SoilError
+from synth.rover.law.rim import carried
 from synth.rover.law.rim_law import ELEMENTS, RimLaw
 from synth.rover.law.touch import Touch
 
@@ -76,16 +77,25 @@ class BekkerLaw(RimLaw):
         )
         self.soil = soil
 
+    def reset(self) -> None:
+        """Forget ruts, pressure and how far the soil was sheared."""
+        super().reset()
+        self._mobilized = np.zeros_like(self.pressure)
+
+    def _carry(self, moved: NDArray) -> None:
+        super()._carry(moved)
+        self._mobilized = carried(self._mobilized, moved)
+
     def _step(self, touch: Touch, time_step: float) -> float:
         soil = self.soil
         bearing = soil.modulus * touch.depth**soil.exponent
         elastic = np.maximum(self.pressure + soil.stiffness * time_step * touch.into, 0.0)
         self.pressure = np.minimum(elastic, bearing)
-        strength = (soil.cohesion + soil.friction * self.pressure) * (self.pressure > 0)
-        # Janosi's (1 - exp(-j / K)) in steps of j, so that what slides back has to be sheared anew.
+        # Janosi's 1 - exp(-j / K) in steps of j, so that what slides back has to be sheared anew.
         sheared = -np.expm1(-np.abs(touch.along) * time_step / soil.shear_modulus)
-        shear = self.shear + sheared * (-np.sign(touch.along) * strength - self.shear)
-        self.shear = np.clip(shear, -strength, strength)
+        self._mobilized = self._mobilized + sheared * (-np.sign(touch.along) - self._mobilized)
+        self._mobilized *= self.pressure > 0
+        self.shear = self._mobilized * (soil.cohesion + soil.friction * self.pressure)
         return 0.0
 
 

@@ -121,7 +121,7 @@ class ResistiveForceLaw(RimLaw):
         into, along = touch.into * time_step, touch.along * time_step
         flow = self._flow(touch, *self._direction(touch, into, along))
         pressure = np.maximum(self.pressure + soil.stiffness * into, 0.0)
-        shear = self._rubbed(self.shear - soil.stiffness * soil.shear_share * along, pressure)
+        shear = self.shear - soil.stiffness * soil.shear_share * along
         # What the elastic traction would do beyond what flowing soil takes is flow.
         excess = np.maximum(pressure * flow.into - shear * flow.along - flow.work, 0.0)
         excess *= flow.into > 0

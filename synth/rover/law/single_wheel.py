@@ -46,10 +46,10 @@ class Paths:
     def at_slip(
         cls, slip: NDArray, load: NDArray, radius: NDArray, *, travel: NDArray, step_count: int
     ) -> "Paths":
-        """Steady slip (skid below 0) over `travel` (m) of the axle; the load grows over a fifth of it."""
+        """Steady slip (skid below 0) over `travel` (m) of the axle; the load grows over its tenth."""
         done = np.linspace(0, 1, step_count)[:, None]
         rim = np.where(slip >= 0, 1 / (1 - np.maximum(slip, 0)), 1 + np.minimum(slip, 0))
-        return cls(done * travel, done * travel * rim / radius, np.minimum(5 * done, 1) * load)
+        return cls(done * travel, done * travel * rim / radius, np.minimum(10 * done, 1) * load)
 
     @classmethod
     def of_scene(cls, scene: "SoilBinScene", *, longest_step: float = 1e-4) -> tuple["Paths", NDArray]:
@@ -91,10 +91,13 @@ class WheelRecord:
     force_z: NDArray
     torque: NDArray
 
-    def mean(self, share: float) -> "WheelRecord":
-        """Means over the last `share` of the steps, each of shape (wheel_count,)."""
-        since = int((1 - share) * len(self.x))
-        return WheelRecord(*(one[since:].mean(axis=0) for one in (self.x, self.sinkage, *self.forces)))
+    def mean(self, share: float | NDArray) -> "WheelRecord":
+        """Means over the last `share` (wheel_count,) of the steps, each of shape (wheel_count,)."""
+        counts = np.arange(len(self.x))[:, None] >= (1 - np.asarray(share)) * len(self.x)
+        counts = np.broadcast_to(counts, self.x.shape)
+        return WheelRecord(
+            *(np.mean(one, axis=0, where=counts) for one in (self.x, self.sinkage, *self.forces))
+        )
 
     @property
     def forces(self) -> tuple[NDArray, NDArray, NDArray]:

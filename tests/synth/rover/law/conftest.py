@@ -28,7 +28,7 @@ def place(soil):
 
 @pytest.fixture
 def move():
-    """`move(law, x, sinkage, angle)` leads one wheel along (n,) arrays in steps of a second; forces (n, 3)."""
+    """`move(law, x, sinkage, angle)` leads one wheel along arrays (n,), a step a second; forces (n, 3)."""
 
     def moved(law, x, sinkage, angle):
         x, sinkage, angle = (np.asarray(one, float) for one in np.broadcast_arrays(x, sinkage, angle))

