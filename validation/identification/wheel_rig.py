@@ -1,15 +1,16 @@
 """A real single-wheel rig: a law fitted to its driven half predicts its braked half."""
 
 from collections import defaultdict
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 
+from synth.rover.law.catalogue import loose_grc1
 from synth.rover.law.identification import Identification, Trial, identify, predict
 from synth.rover.law.response import published_scale
-from synth.rover.law.rft import ResistiveForceLaw, ResistiveSoil
+from synth.rover.law.rft import ResistiveForceLaw
 
 RADIUS, WIDTH = 0.058, 0.05
 """m, of the rig's smooth wheel."""
@@ -69,14 +70,9 @@ def compare_with_rig(trials: list[Trial]) -> RigComparison:
     `unfitted` is the law with the scale published for the sand's density and friction, and default constants.
     """
     scale = published_scale(density=DENSITY, friction_angle=REPOSE)
-    start = ResistiveSoil(
-        scale=scale,
-        surface_friction=0.5,
-        stiffness=5 * scale,
-        shear_share=0.3,
-        rut_share=0.5,
-        damping_time=0.0,
-    )
+    grains = loose_grc1()
+    ratio = grains.stiffness / grains.scale
+    start = replace(grains, scale=scale, stiffness=ratio * scale, damping_time=0.0)
     found = identify([one for one in trials if one.slip >= _BRAKED], start)
     return RigComparison(
         trials,
