@@ -36,7 +36,7 @@ def identify(
 
     Writes OUT/identification.json, .csv and .png. Carried out again, it does only what is missing.
     """
-    from synth import SoilBinScene, load_scene
+    from synth.scene import SoilBinScene, load_scene
     from validation import chain
     from validation.identification.carry_out import carry_out
     from validation.identification.plan import SCENE

@@ -54,7 +54,8 @@ class Tracks:
             return
         self._reach(float(x.min()), float(x.max()))
         for wheel in np.flatnonzero(column != self._column):
-            self._lower(self._track[wheel], *sorted((self._column[wheel], column[wheel])), lowest[wheel])
+            first, last = sorted((int(self._column[wheel]), int(column[wheel])))
+            self._lower(int(self._track[wheel]), first, last, float(lowest[wheel]))
         self._column = column
 
     def profile(self, track: int) -> NDArray:

@@ -175,7 +175,7 @@ def misfits(measured: Sequence[Trial], given: Sequence[Trial]) -> NDArray:
         )
         for one, other in zip(measured, given, strict=True)
     ]
-    flat = np.ravel(apart)
+    flat: NDArray = np.array(apart, float).ravel()
     return flat[[not np.isnan(value) for one in measured for value in _told(one)]]
 
 

@@ -93,7 +93,7 @@ class RimLaw(ABC):
         touch = self._touch(rim, states)
         viscous = self._step(touch, time_step)
         if self._rim_stiffness is not None:
-            self._deflect(time_step)
+            self._deflect(self._rim_stiffness, time_step)
         return self._summed(touch, np.maximum(self.pressure + viscous, 0.0))
 
     @abstractmethod
@@ -124,10 +124,10 @@ class RimLaw(ABC):
         along = velocity_x * cosine + velocity_z * sine - radius * states.spin[:, None]
         return Touch(sine, cosine, np.maximum(depth, 0.0), into, along, x)
 
-    def _deflect(self, time_step: float) -> None:
+    def _deflect(self, stiffness: float, time_step: float) -> None:
         pressed = np.pad(self.pressure, ((0, 0), (1, 1)))
         pressed = 0.25 * (pressed[:, :-2] + 2 * pressed[:, 1:-1] + pressed[:, 2:])
-        by = self._relaxation * (pressed / self._rim_stiffness - self._deflection)
+        by = self._relaxation * (pressed / stiffness - self._deflection)
         self._deflection = self._deflection + by
         self._deflecting = by / time_step
 
