@@ -68,7 +68,7 @@ def carry_out(
             made_by=package_version("softbed"),
             recordings=digests,
             scenes={case.label: case.scene.hash for case in several},
-            rig=None if rig_trials is None else [asdict(one) for one in rig_trials],
+            rig=None if rig_trials is None else _without_nan([asdict(one) for one in rig_trials]),
         )
         if folder.why_do(_STEP, key) is not None:
             found = find(several, out / RUNS, rig_trials, terminal)

@@ -20,7 +20,7 @@ _SURFACE_FRICTION = 0.5
 _STIFFNESS_RATIO = 5.0
 """Elastic stiffness / scale; assumed."""
 _SHEAR_SHARE = 0.06
-"""Of the elastic stiffness, along the surface: identified in the granular bin, see docs/wheel_law.md."""
+"""Of the elastic stiffness, along the surface: assumed, within what docs/wheel_law.md identifies."""
 _RUT_SHARE = 0.5
 """Of the sinkage, left as rut: seen behind the wheel in the granular bin."""
 _BEKKER = BekkerSoil(
