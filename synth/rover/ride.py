@@ -1,0 +1,149 @@
+"""A vehicle rides on soil: MuJoCo and a wheel-soil law in step."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from synth.rover.law.interface import WheelForces, WheelSoilLaw, WheelStates
+from synth.rover.vehicle import Vehicle
+
+SIDE_FRICTION = 0.5
+"""Sideways force over normal force of a wheel that slides sideways; assumed. Laws are plane and know no such force."""
+_SIDE_CREEP = 0.01
+"""m/s; sideways velocity at which it is mobilised."""
+Command = Callable[[float], NDArray]
+"""The actuators' targets at a time (s), shape (actuator_count,)."""
+
+
+@dataclass
+class Work:
+    """Energy that went in and out since the start, J.
+
+    Attributes
+    ----------
+    actuators : float
+        Done by motors on the vehicle.
+    soil : float
+        Done by the vehicle on the soil.
+    cable : float
+        Done by the vehicle on the cable.
+    """
+
+    actuators: float = 0.0
+    soil: float = 0.0
+    cable: float = 0.0
+
+
+class Ride:
+    """A vehicle on undisturbed soil, advanced step by step.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    law : WheelSoilLaw
+        Taken over: the vehicle's wheels are placed on it.
+    stance : str, optional
+        Keyframe to start from; the model's first by default.
+    time_step : float, optional
+        s; the model's own by default.
+
+    Attributes
+    ----------
+    pull : float
+        Tension of the cable at the rear hubs, horizontal and backwards, N.
+    forces : WheelForces
+        Of the soil in the last step.
+    work : Work
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, law: WheelSoilLaw, *, stance: str | None = None, time_step: float | None = None
+    ) -> None:
+        import mujoco
+
+        self.vehicle, self.law = vehicle, law
+        self.model = vehicle.model
+        self.time_step = float(time_step or self.model.opt.timestep)
+        self.model.opt.timestep = self.time_step
+        self.data = mujoco.MjData(self.model)
+        if stance is not None or self.model.nkey:
+            key = self.model.key(stance if stance is not None else 0).id
+            mujoco.mj_resetDataKeyframe(self.model, self.data, key)
+        mujoco.mj_forward(self.model, self.data)  # xpos, xmat and cvel are 0 until then
+        law.place([wheel.placed for wheel in vehicle.wheels])
+        self.pull = 0.0
+        self.work = Work()
+        self._angle = self._wrapped_angle()
+        count = len(vehicle.wheels)
+        self.forces = WheelForces(np.zeros(count), np.zeros(count), np.zeros(count))
+
+    @property
+    def time(self) -> float:
+        """s since the start."""
+        return float(self.data.time)
+
+    @property
+    def travel(self) -> float:
+        """x of the vehicle's body, m."""
+        return float(self.data.xpos[self.vehicle.main_body, 0])
+
+    @property
+    def energy(self) -> float:
+        """Kinetic and potential energy of the vehicle, J."""
+        import mujoco
+
+        mujoco.mj_energyPos(self.model, self.data)
+        mujoco.mj_energyVel(self.model, self.data)
+        return float(self.data.energy.sum())
+
+    def step(self, command: NDArray) -> WheelForces:
+        """Advance by one time step with the actuators' targets `command`."""
+        import mujoco
+
+        mujoco.mj_step1(self.model, self.data)
+        states = self.wheel_states()
+        self.forces = self.law.advance(states, self.time_step)
+        self._apply(self.forces)
+        self.data.ctrl[:] = command
+        mujoco.mj_step2(self.model, self.data)
+        return self.forces
+
+    def wheel_states(self) -> WheelStates:
+        """Where the wheels are and how they move, in the order of the vehicle's wheels."""
+        data, bodies = self.data, self.vehicle.wheel_bodies
+        wrapped = self._wrapped_angle()
+        self._angle = self._angle + _shortest_turn(wrapped - self._angle)
+        place, spin, velocity = data.xpos[bodies], data.cvel[bodies, :3], self._hub_velocity()
+        return WheelStates(
+            place[:, 0], place[:, 2], velocity[:, 0], velocity[:, 2], self._angle.copy(), spin[:, 1]
+        )
+
+    def _hub_velocity(self) -> NDArray:
+        """Velocity of the axles, m/s: `cvel` is that at the centre of mass of the whole vehicle."""
+        data, bodies = self.data, self.vehicle.wheel_bodies
+        arm = data.xpos[bodies] - data.subtree_com[self.vehicle.main_body]
+        turn = data.cvel[bodies, :3]
+        velocity = data.cvel[bodies, 3:].copy()
+        velocity[:, 0] += turn[:, 1] * arm[:, 2] - turn[:, 2] * arm[:, 1]
+        velocity[:, 1] += turn[:, 2] * arm[:, 0] - turn[:, 0] * arm[:, 2]
+        velocity[:, 2] += turn[:, 0] * arm[:, 1] - turn[:, 1] * arm[:, 0]
+        return velocity
+
+    def _wrapped_angle(self) -> NDArray:
+        matrix = self.data.xmat[self.vehicle.wheel_bodies]
+        return np.arctan2(matrix[:, 2], matrix[:, 0])
+
+    def _apply(self, forces: WheelForces) -> None:
+        applied, bodies, rear = self.data.xfrc_applied, self.vehicle.wheel_bodies, self.vehicle.rear_bodies
+        sideways = self._hub_velocity()[:, 1]
+        applied[bodies, 0] = forces.force_x
+        applied[bodies, 1] = -SIDE_FRICTION * np.maximum(forces.force_z, 0.0) * np.tanh(sideways / _SIDE_CREEP)
+        applied[bodies, 2] = forces.force_z
+        applied[bodies, 4] = forces.torque
+        applied[rear, 0] -= self.pull / rear.size
+
+
+def _shortest_turn(angle: NDArray) -> NDArray:
+    return (angle + np.pi) % (2 * np.pi) - np.pi
