@@ -68,8 +68,8 @@ class Ride:
         self.time_step = float(time_step or self.model.opt.timestep)
         self.model.opt.timestep = self.time_step
         self.data = mujoco.MjData(self.model)
-        if stance is not None or self.model.nkey:
-            key = self.model.key(stance if stance is not None else 0).id
+        if stance or self.model.nkey:
+            key = self.model.key(stance or 0).id
             mujoco.mj_resetDataKeyframe(self.model, self.data, key)
         mujoco.mj_forward(self.model, self.data)  # xpos, xmat and cvel are 0 until then
         law.place([wheel.placed for wheel in vehicle.wheels])
