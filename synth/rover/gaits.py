@@ -34,12 +34,15 @@ class Gait(Protocol):
         In order; they repeat.
     stance : str
         Keyframe to start from.
+    speed : float
+        Of the rim of a rolling wheel, m/s.
     cycle : float or None
         s; None where nothing repeats.
     """
 
     phases: tuple[str, ...]
     stance: str
+    speed: float
     cycle: float | None
 
     def command(self, time: float) -> NDArray:
@@ -72,7 +75,7 @@ class Rolling:
     ) -> None:
         require_speed(speed)
         self.stance = _choose_stance(vehicle, stance)
-        self._held, self._speed = held_command(vehicle, self.stance), speed
+        self._held, self.speed = held_command(vehicle, self.stance), speed
         driven = [wheel for wheel in vehicle.wheels if wheel.actuator >= 0]
         if not driven:
             raise VehicleError(f"{vehicle.path}: no wheel has a servo")
@@ -83,7 +86,7 @@ class Rolling:
     def command(self, time: float) -> NDArray:
         """See `Gait.command`."""
         told = self._held.copy()
-        rolled, speed = _started(time, self._speed)
+        rolled, speed = _started(time, self.speed)
         told[self._servos] += np.where(self._by_position, rolled, speed) / self._radius
         return told
 
@@ -122,7 +125,7 @@ class Inching:
             self.frame.require(wheelbase)
         if not shortest < longest:
             raise VehicleError(f"wheelbase from {shortest:g} to {longest:g} m: the first must be the smaller")
-        self._held = held_command(vehicle, self.stance)
+        self._held, self.speed = held_command(vehicle, self.stance), speed
         self._spreads = np.array([vehicle.actuator(name) for name in SPREADS])
         self._front = np.array([wheel.actuator for wheel in vehicle.wheels if not wheel.is_rear])
         self._rear = np.array([wheel.actuator for wheel in vehicle.wheels if wheel.is_rear])

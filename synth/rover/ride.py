@@ -1,7 +1,6 @@
 """A vehicle rides on soil: MuJoCo and a wheel-soil law in step."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,24 +15,6 @@ _SIDE_CREEP = 0.01
 Command = Callable[[float], NDArray]
 """The actuators' targets at a time (s), shape (actuator_count,)."""
 
-
-@dataclass
-class Work:
-    """Energy that went in and out since the start, J.
-
-    Attributes
-    ----------
-    actuators : float
-        Done by motors on the vehicle.
-    soil : float
-        Done by the vehicle on the soil.
-    cable : float
-        Done by the vehicle on the cable.
-    """
-
-    actuators: float = 0.0
-    soil: float = 0.0
-    cable: float = 0.0
 
 
 class Ride:
@@ -55,7 +36,8 @@ class Ride:
         Tension of the cable at the rear hubs, horizontal and backwards, N.
     forces : WheelForces
         Of the soil in the last step.
-    work : Work
+    states : WheelStates
+        Of the wheels when these were asked for.
     """
 
     def __init__(
@@ -74,10 +56,10 @@ class Ride:
         mujoco.mj_forward(self.model, self.data)  # xpos, xmat and cvel are 0 until then
         law.place([wheel.placed for wheel in vehicle.wheels])
         self.pull = 0.0
-        self.work = Work()
         self._angle = self._wrapped_angle()
         count = len(vehicle.wheels)
         self.forces = WheelForces(np.zeros(count), np.zeros(count), np.zeros(count))
+        self.states = self.wheel_states()
 
     @property
     def time(self) -> float:
@@ -103,8 +85,8 @@ class Ride:
         import mujoco
 
         mujoco.mj_step1(self.model, self.data)
-        states = self.wheel_states()
-        self.forces = self.law.advance(states, self.time_step)
+        self.states = self.wheel_states()
+        self.forces = self.law.advance(self.states, self.time_step)
         self._apply(self.forces)
         self.data.ctrl[:] = command
         mujoco.mj_step2(self.model, self.data)

@@ -77,9 +77,14 @@ class Vehicle:
         return np.array([wheel.body for wheel in self.wheels])
 
     @cached_property
+    def rear_wheels(self) -> NDArray:
+        """Which of the wheels are the rear ones, at whose hubs the cable pulls."""
+        return np.flatnonzero([wheel.is_rear for wheel in self.wheels])
+
+    @cached_property
     def rear_bodies(self) -> NDArray:
-        """Bodies of the rear wheels: where the cable pulls."""
-        return np.array([wheel.body for wheel in self.wheels if wheel.is_rear])
+        """Bodies of the rear wheels."""
+        return self.wheel_bodies[self.rear_wheels]
 
     @cached_property
     def main_body(self) -> int:

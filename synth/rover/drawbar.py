@@ -1,0 +1,187 @@
+"""The drawbar pull test: a vehicle drives along fresh soil while a cable holds it back, harder and harder."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from synth.rover.balance import Balance, PhaseMean, means_over
+from synth.rover.gaits import Inching, Rolling
+from synth.rover.law.interface import WheelSoilLaw
+from synth.rover.ride import Ride
+from synth.rover.travel_reduction import travel_reduction, velocities
+from synth.rover.vehicle import Vehicle
+
+ROLLING_STEP = 0.5
+"""m of travel at one load ("increased approximately every 0.5 m", the paper's Fig. 17)."""
+CYCLES = 2
+"""At one load ("held constant for at least two inching cycles", Fig. 17); the last is measured."""
+_SAMPLING = 1.0  # s, of the total station
+_LONGEST = 3.0  # times what a step takes without travel reduction
+_FEWEST_SAMPLES = 6
+_SETTLING = 2.0  # s at rest before it starts
+_TENSIONING = 0.5  # s in which the cable's tension rises to the next load
+_PULLED_BACK = 0.25  # m at one load, after which it is over
+
+
+@dataclass(frozen=True)
+class LoadSteps:
+    """Which loads a test goes through, as drawbar pull over vehicle weight.
+
+    Attributes
+    ----------
+    loads : tuple of float
+        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that once the travel
+        reduction is above 0.15, a quarter above 0.3, until the vehicle is pulled back.
+    coarse : float
+    """
+
+    loads: tuple[float, ...] = ()
+    coarse: float = 0.016
+
+    def __post_init__(self) -> None:
+        if any(load <= 0 for load in self.loads) or list(self.loads) != sorted(set(self.loads)):
+            raise ValueError(f"loads {self.loads}: drawbar pull over vehicle weight, positive and rising")
+        if not self.coarse > 0:
+            raise ValueError(f"step of the load {self.coarse}: must be positive")
+
+    def following(self, points: Sequence["DrawbarPoint"]) -> float | None:
+        """The load after these points; None after the last."""
+        if self.loads:
+            return self.loads[len(points) - 1] if len(points) <= len(self.loads) else None
+        last = points[-1]
+        part = 1 if last.travel_reduction < 0.15 else 2 if last.travel_reduction < 0.3 else 4
+        return last.drawbar_pull_ratio + self.coarse / part
+
+
+@dataclass(frozen=True)
+class DrawbarPoint:
+    """What was measured at one load.
+
+    Attributes
+    ----------
+    drawbar_pull_ratio : float
+        Tension of the cable over the vehicle's weight.
+    velocity : float
+        m/s, over whole cycles where there are such.
+    travel_reduction : float
+        Eq. 8, as a ratio.
+    phases : tuple of PhaseMean
+        Forces on the wheels while it was measured.
+    """
+
+    drawbar_pull_ratio: float
+    velocity: float
+    travel_reduction: float
+    phases: tuple[PhaseMean, ...]
+
+    def to_dict(self) -> dict:
+        """As JSON holds it."""
+        return {
+            "drawbar_pull_ratio": self.drawbar_pull_ratio,
+            "velocity": self.velocity,
+            "travel_reduction": self.travel_reduction,
+            "phases": [phase.to_dict() for phase in self.phases],
+        }
+
+    @staticmethod
+    def from_dict(told: dict) -> "DrawbarPoint":
+        """From what `to_dict` gave."""
+        phases = tuple(PhaseMean.from_dict(phase) for phase in told["phases"])
+        return DrawbarPoint(told["drawbar_pull_ratio"], told["velocity"], told["travel_reduction"], phases)
+
+
+@dataclass(frozen=True)
+class _Measured:
+    velocity: float
+    phases: tuple[PhaseMean, ...]
+
+
+class DrawbarTest:
+    """A vehicle under test.
+
+    Parameters
+    ----------
+    vehicle : Vehicle
+    law : WheelSoilLaw
+    gait : Rolling or Inching
+    time_step : float, optional
+        s; the model's own by default.
+    """
+
+    def __init__(
+        self, vehicle: Vehicle, law: WheelSoilLaw, gait: Rolling | Inching, *, time_step: float | None = None
+    ) -> None:
+        self.gait = gait
+        self.ride = Ride(vehicle, law, stance=gait.stance, time_step=time_step)
+        self._settle()
+        self._started = self.ride.time
+
+    def points(self, steps: LoadSteps) -> Iterator[DrawbarPoint]:
+        """Measure load after load, the first without any, until the vehicle no longer moves forward.
+
+        The last point is the first with a travel reduction of 1 or more.
+        """
+        weight = self.ride.vehicle.weight
+        self._measure()  # run in: the first way leads over undisturbed soil for all wheels
+        free = self._measure()
+        done = [DrawbarPoint(0.0, free.velocity, float(travel_reduction(free.velocity, free.velocity)), free.phases)]
+        yield done[0]
+        while done[-1].travel_reduction < 1 and (load := steps.following(done)) is not None:
+            self._tension(load * weight)
+            found = self._measure()
+            reduction = float(travel_reduction(found.velocity, free.velocity))
+            done.append(DrawbarPoint(load, found.velocity, reduction, found.phases))
+            yield done[-1]
+
+    def _measure(self) -> _Measured:
+        return self._measure_cycles() if self.gait.cycle else self._measure_way()
+
+    def _measure_cycles(self) -> _Measured:
+        """Velocity over the last cycle: one distance at the start of each."""
+        assert self.gait.cycle
+        distances = [self.ride.travel]
+        for _ in range(CYCLES):
+            balance = self._ride_on(self.gait.cycle)
+            distances.append(self.ride.travel)
+            if distances[-1] - distances[-2] < -_PULLED_BACK:
+                break
+        return _Measured(float(velocities(distances, self.gait.cycle)[-1]), balance.means())
+
+    def _measure_way(self) -> _Measured:
+        """Velocity over the later half of a load step: distances at 1 Hz."""
+        distances, balances = [self.ride.travel], []
+        longest = max(_LONGEST * ROLLING_STEP / self.gait.speed, _FEWEST_SAMPLES * _SAMPLING)
+        while len(distances) <= longest / _SAMPLING:
+            balances.append(self._ride_on(_SAMPLING))
+            distances.append(self.ride.travel)
+            gone = distances[-1] - distances[0]
+            if gone < -_PULLED_BACK or (gone > ROLLING_STEP and len(distances) > _FEWEST_SAMPLES):
+                break
+        later = len(balances) // 2
+        velocity = float(velocities(distances[later:], _SAMPLING).mean())
+        return _Measured(velocity, means_over(balances[later:]))
+
+    def _ride_on(self, duration: float) -> Balance:
+        balance = Balance(self.ride)
+        for _ in range(round(duration / self.ride.time_step)):
+            time = self.ride.time - self._started
+            self.ride.step(self.gait.command(time))
+            balance.add(self.gait.phase(time))
+        return balance
+
+    def _tension(self, pull: float) -> None:
+        """Raise the cable's tension while the gait goes on; a cycle's clock stands meanwhile."""
+        start, count = self.ride.pull, round(_TENSIONING / self.ride.time_step)
+        waiting = self.gait.command(self.ride.time - self._started) if self.gait.cycle else None
+        for step in range(count):
+            self.ride.pull = start + (pull - start) * (step + 1) / count
+            told = self.gait.command(self.ride.time - self._started) if waiting is None else waiting
+            self.ride.step(told)
+        if waiting is not None:
+            self._started += count * self.ride.time_step
+
+    def _settle(self) -> None:
+        held = self.gait.command(0.0)
+        for _ in range(round(_SETTLING / self.ride.time_step)):
+            self.ride.step(held)
