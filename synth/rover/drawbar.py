@@ -32,7 +32,7 @@ class LoadSteps:
     ----------
     loads : tuple of float
         Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that once the travel
-        reduction is above 0.15, a quarter above 0.3, until the vehicle is pulled back.
+        reduction is above 0.2, a quarter above 0.5, until the vehicle is pulled back.
     coarse : float
     """
 
@@ -50,7 +50,7 @@ class LoadSteps:
         if self.loads:
             return self.loads[len(points) - 1] if len(points) <= len(self.loads) else None
         last = points[-1]
-        part = 1 if last.travel_reduction < 0.15 else 2 if last.travel_reduction < 0.3 else 4
+        part = 1 if last.travel_reduction < 0.2 else 2 if last.travel_reduction < 0.5 else 4
         return last.drawbar_pull_ratio + self.coarse / part
 
 

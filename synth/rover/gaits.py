@@ -8,7 +8,7 @@ they would rotate in the soil as the side frame moves" (section 4.1): a pushing 
 
 import math
 from dataclasses import dataclass
-from typing import Literal, Protocol
+from typing import Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,8 +16,7 @@ from numpy.typing import NDArray
 from synth.rover.stance import SPREADS, SideFrame, side_frame
 from synth.rover.vehicle import Vehicle, VehicleError, VehicleWheel
 
-GaitName = Literal["rolling", "inching"]
-GAITS: tuple[GaitName, ...] = ("rolling", "inching")
+GAITS = ("rolling", "inching")
 ROLL, EXPAND, CONTRACT = "roll", "expand", "contract"
 DEFAULT_SPEED = 0.06
 """m/s of the rim of a rolling wheel; Scarab drives at 3 to 6 cm/s."""
@@ -166,14 +165,16 @@ class Inching:
         return way / (1 - ease)
 
 
-def make_gait(name: GaitName, vehicle: Vehicle, *, speed: float = DEFAULT_SPEED) -> Rolling | Inching:
+def make_gait(name: str, vehicle: Vehicle, *, speed: float = DEFAULT_SPEED) -> Rolling | Inching:
     """A gait by its name.
 
     Raises
     ------
     VehicleError
-        The vehicle cannot do it.
+        There is no such gait, or the vehicle cannot do it.
     """
+    if name not in GAITS:
+        raise VehicleError(f"gait {name!r}: allowed are {', '.join(GAITS)}")
     return Rolling(vehicle, speed=speed) if name == "rolling" else Inching(vehicle, speed=speed)
 
 

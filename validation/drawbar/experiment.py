@@ -1,0 +1,164 @@
+"""Curves measured in parallel processes, one each; what is there already is not measured again."""
+
+import hashlib
+import json
+import os
+from collections.abc import Callable, Iterator, Sequence
+from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from multiprocessing import get_context
+from pathlib import Path
+from queue import Empty
+from typing import Any
+
+from validation.drawbar.curve import Curve, CurveOrder
+from validation.run_folder import RunFolder
+from validation.terminal import Terminal
+from validation.versions import package_version
+
+CURVES = "curves"
+"""Folder with one JSON file for each curve, forces on the wheels with it."""
+_MADE_BY = ("softbed", "mujoco", "numpy")
+_EXPECTED = 30
+"""Points of a curve, for the progress."""
+_POLL = 1.0  # s
+
+
+def carry_out(
+    orders: Sequence[CurveOrder],
+    out: Path,
+    *,
+    processes: int | None = None,
+    overwrite: bool = False,
+    terminal: Terminal,
+) -> list[Curve]:
+    """Measure what is missing of some curves: `OUT/curves/NAME.json`.
+
+    Parameters
+    ----------
+    orders : sequence of CurveOrder
+    out : Path
+        Made where there is none.
+    processes : int, optional
+        Default: one a core.
+    overwrite : bool
+        Measure also what is there.
+
+    Returns
+    -------
+    list of Curve
+        In the order of `orders`.
+
+    Raises
+    ------
+    RunFolderError
+        The folder holds something else, or another process works in it.
+    VehicleError, ValueError
+        An order cannot be carried out; none is begun then.
+    """
+    for order in orders:
+        _require(order)
+    with RunFolder.create(out):
+        folder = out / CURVES
+        folder.mkdir(exist_ok=True)
+        missing = [order for order in orders if overwrite or _found(folder, order) is None]
+        if missing:
+            count = min(processes or os.cpu_count() or 1, len(missing))
+            with terminal.progress(f"drawbar, {count} processes") as progress:
+                _in_parallel(_longest_first(missing), folder, count, progress)
+        return [curve for order in orders if (curve := _found(folder, order)) is not None]
+
+
+def measure(order: CurveOrder) -> Iterator[Curve]:
+    """Measure a curve; given after each point, as far as it is."""
+    from synth.rover.drawbar import DrawbarTest
+    from synth.rover.gaits import make_gait
+    from synth.rover.law.catalogue import make_law
+    from synth.rover.vehicle import load_vehicle
+
+    vehicle = load_vehicle(order.vehicle)
+    law = make_law(order.law, wheel=order.wheel)  # type: ignore[arg-type]
+    gait = make_gait(order.gait, vehicle, speed=order.speed)
+    test = DrawbarTest(vehicle, law, gait, time_step=order.time_step)
+    points = []
+    for point in test.points(order.steps):
+        points.append(point)
+        yield Curve(order, vehicle.weight, tuple(points))
+
+
+def _require(order: CurveOrder) -> None:
+    """Raise where an order cannot be carried out: before processes are started."""
+    from synth.rover.gaits import make_gait
+    from synth.rover.law.catalogue import make_law
+    from synth.rover.vehicle import load_vehicle
+
+    make_gait(order.gait, load_vehicle(order.vehicle), speed=order.speed)
+    make_law(order.law, wheel=order.wheel)  # type: ignore[arg-type]
+
+
+def _longest_first(orders: Sequence[CurveOrder]) -> list[CurveOrder]:
+    return sorted(orders, key=lambda order: order.gait != "inching")
+
+
+def _in_parallel(
+    orders: Sequence[CurveOrder], folder: Path, processes: int, progress: Callable[[int, int], None]
+) -> None:
+    context = get_context("spawn")
+    with context.Manager() as manager:
+        told = manager.Queue()
+        pool = ProcessPoolExecutor(processes, mp_context=context)
+        try:
+            _watch([pool.submit(_carry_out_one, order, folder, told) for order in orders], told, progress)
+        except BaseException:
+            for process in list(getattr(pool, "_processes", {}).values()):
+                process.terminate()  # files have their names only when they are whole
+            raise
+        finally:
+            pool.shutdown(wait=True, cancel_futures=True)
+
+
+def _watch(futures: Sequence[Future[None]], told: Any, progress: Callable[[int, int], None]) -> None:
+    waiting, points = set(futures), 0
+    while waiting:
+        done, waiting = wait(waiting, timeout=_POLL, return_when=FIRST_COMPLETED)
+        for future in done:
+            future.result()
+        while True:
+            try:
+                points += told.get_nowait()
+            except Empty:
+                break
+        finished = (len(futures) - len(waiting)) * _EXPECTED
+        total = len(futures) * _EXPECTED
+        progress(min(max(points, finished), total - bool(waiting)), total)
+
+
+def _carry_out_one(order: CurveOrder, folder: Path, told: Any) -> None:
+    os.environ.setdefault("OMP_NUM_THREADS", "1")
+    for so_far in measure(order):
+        curve = so_far
+        told.put(1)
+    document = curve.to_dict() | {"made_by": _made_by(order)}
+    part = folder / f".partial-{order.name}.json"
+    part.write_text(json.dumps(document, indent=1), encoding="utf-8")
+    part.replace(folder / f"{order.name}.json")
+
+
+def _found(folder: Path, order: CurveOrder) -> Curve | None:
+    """The curve, if it is there and was made from the same by the same."""
+    path = folder / f"{order.name}.json"
+    if not path.is_file():
+        return None
+    told = json.loads(path.read_text(encoding="utf-8"))
+    if told.pop("made_by") != _made_by(order):
+        return None
+    curve = Curve.from_dict(told)
+    return curve if curve.order == order else None
+
+
+def _made_by(order: CurveOrder) -> dict[str, str]:
+    from synth.rover.vehicle import load_vehicle
+
+    digest = hashlib.sha256()
+    for path in sorted(load_vehicle(order.vehicle).path.parent.glob("*.xml")):
+        digest.update(path.read_bytes())
+    return {name: package_version(name) or "" for name in _MADE_BY} | {"vehicle": digest.hexdigest()}
