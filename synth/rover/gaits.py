@@ -22,6 +22,8 @@ DEFAULT_SPEED = 0.06
 """m/s of the rim of a rolling wheel; Scarab drives at 3 to 6 cm/s."""
 _SMOOTHING = 0.5
 """s in which a motion starts and ends: it moves 280 kg."""
+_INSTANT = 1e-6
+"""s; a clock that adds up time steps is as far off at most, and a phase begins with a whole step."""
 
 
 class Gait(Protocol):
@@ -130,7 +132,7 @@ class Inching:
         self._rear = np.array([wheel.actuator for wheel in vehicle.wheels if wheel.is_rear])
         self._radius = vehicle.wheels[0].placed.radius
         self._shortest, self._stroke = shortest, longest - shortest
-        self._half = self._stroke / speed + _SMOOTHING
+        self._half = round(self._stroke / speed + _SMOOTHING, 2)  # whole time steps
         self._smooth = _SMOOTHING / self._half
         self.cycle = 2 * self._half
         self._first = self.frame.spread(shortest)
@@ -138,7 +140,7 @@ class Inching:
     def command(self, time: float) -> NDArray:
         """See `Gait.command`."""
         told = self._held.copy()
-        cycles, within = divmod(time, self.cycle)
+        cycles, within = divmod(time + _INSTANT, self.cycle)
         opening = self._eased(min(within / self._half, 1.0))
         closing = self._eased(max(within / self._half - 1.0, 0.0))
         spread = self.frame.spread(self._shortest + self._stroke * (opening - closing))
@@ -151,7 +153,7 @@ class Inching:
 
     def phase(self, time: float) -> str:
         """See `Gait.phase`."""
-        return EXPAND if time % self.cycle < self._half else CONTRACT
+        return EXPAND if (time + _INSTANT) % self.cycle < self._half else CONTRACT
 
     def _eased(self, share: float) -> float:
         """Way done after a share of the time: speed rises, stays and falls linearly."""

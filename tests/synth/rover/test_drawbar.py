@@ -1,0 +1,93 @@
+"""The drawbar test, on a soil where its curves are known."""
+
+import itertools
+
+import numpy as np
+import pytest
+
+from synth.rover.drawbar import DrawbarPoint, DrawbarTest, LoadSteps
+from synth.rover.gaits import Inching, Rolling
+from synth.rover.law.catalogue import make_law
+from synth.rover.travel_reduction import pull_at, travel_reduction, velocities
+from tests.synth.rover.slipping import SlippingLaw
+
+GRIP, SPEED, COARSE = 8e3, 0.2, 0.002
+
+
+def test_travel_reduction_is_equation_8():
+    assert travel_reduction([0.06, 0.03, 0.0, -0.03], 0.06) == pytest.approx([0, 0.5, 1, 1.5])
+    with pytest.raises(ValueError, match="does not move"):
+        travel_reduction(0.01, 0.0)
+
+
+def test_velocity_is_equation_9():
+    assert velocities([0.0, 0.05, 0.12], 1.0) == pytest.approx([0.05, 0.07])
+
+
+def test_pull_at_a_travel_reduction_is_between_points():
+    assert pull_at(0.4, [0.0, 0.1, 0.2], [0.0, 0.2, 0.6]) == pytest.approx(0.15)
+    assert pull_at(0.7, [0.0, 0.1, 0.2], [0.0, 0.2, 0.6]) is None
+
+
+def test_rolling_loses_what_the_soil_takes(scarab):
+    test = DrawbarTest(scarab, SlippingLaw(GRIP), Rolling(scarab, speed=SPEED), time_step=COARSE)
+    points = list(test.points(LoadSteps(loads=(0.3,))))
+    assert points[0].velocity == pytest.approx(SPEED, rel=0.01)
+    lost = 0.3 * scarab.weight / (4 * GRIP)  # thrust of four wheels = grip x slip velocity
+    assert points[1].travel_reduction == pytest.approx(lost / SPEED, rel=0.02)
+    (phase,) = points[1].phases
+    assert phase.pull == pytest.approx(0.3 * scarab.weight, rel=0.01)
+
+
+def test_inching_loses_as_much_way_in_both_phases(scarab):
+    gait = Inching(scarab, speed=SPEED)
+    test = DrawbarTest(scarab, SlippingLaw(GRIP), gait, time_step=COARSE)
+    points = list(test.points(LoadSteps(loads=(0.1,))))
+    free = 0.5 / gait.cycle
+    assert points[0].velocity == pytest.approx(free, rel=0.01)
+    lost = 0.1 * scarab.weight / (4 * GRIP)
+    assert points[1].travel_reduction == pytest.approx(lost / free, rel=0.03)
+    assert [phase.phase for phase in points[1].phases] == ["expand", "contract"]
+    for phase in points[1].phases:
+        assert phase.duration == pytest.approx(gait.cycle / 2, abs=0.01)
+        assert phase.pull == pytest.approx(0.1 * scarab.weight, rel=0.05)
+
+
+def test_loads_rise_until_the_vehicle_is_pulled_back(scarab):
+    test = DrawbarTest(scarab, SlippingLaw(2e3), Rolling(scarab, speed=0.5), time_step=COARSE)
+    points = list(test.points(LoadSteps(coarse=0.7)))
+    assert all(point.travel_reduction < 1 for point in points[:-1])
+    assert points[-1].travel_reduction >= 1
+    assert pull_at(
+        1.0, [p.drawbar_pull_ratio for p in points], [p.travel_reduction for p in points]
+    ) == pytest.approx(4 * 2e3 * 0.5 / scarab.weight, rel=0.03)
+
+
+def test_steps_get_finer_as_the_vehicle_slows():
+    points = [DrawbarPoint(0.2, 0.05, reduction, ()) for reduction in (0.1, 0.3, 0.6)]
+    steps = [LoadSteps(coarse=0.04).following([point]) - 0.2 for point in points]
+    assert steps == pytest.approx([0.04, 0.02, 0.01])
+
+
+@pytest.mark.parametrize("loads", [(0.2, 0.1), (0.0,), (0.1, 0.1)])
+def test_refuses_loads_that_do_not_rise(loads):
+    with pytest.raises(ValueError, match="positive and rising"):
+        LoadSteps(loads=loads)
+
+
+def test_points_survive_json(scarab):
+    test = DrawbarTest(scarab, SlippingLaw(GRIP), Rolling(scarab, speed=0.5), time_step=COARSE)
+    (point,) = itertools.islice(test.points(LoadSteps()), 1)
+    assert DrawbarPoint.from_dict(point.to_dict()) == point
+
+
+@pytest.mark.slow
+def test_half_the_time_step_changes_the_maximum_little(scarab):
+    maxima = []
+    for time_step in (0.001, 0.0005):
+        test = DrawbarTest(scarab, make_law("rft"), Rolling(scarab), time_step=time_step)
+        points = list(test.points(LoadSteps(coarse=0.06)))
+        pulls, reductions = zip(*((p.drawbar_pull_ratio, p.travel_reduction) for p in points), strict=True)
+        maxima.append(pull_at(1.0, pulls, reductions))
+    assert maxima[1] == pytest.approx(maxima[0], rel=0.02)
+    assert np.isfinite(maxima).all()
