@@ -100,7 +100,9 @@ class Balance:
     def add(self, phase: str) -> None:
         """Count the step that the ride has just done."""
         forces, now = self._ride.forces, self._placed()
-        one = np.concatenate([[forces.force_x, forces.force_z, forces.torque], (now - self._place)[:2], now[2:]])
+        one = np.concatenate(
+            [[forces.force_x, forces.force_z, forces.torque], (now - self._place)[:2], now[2:]]
+        )
         self._place = now
         self.sums[phase] = one + self.sums.get(phase, 0.0)
         self.steps[phase] = self.steps.get(phase, 0) + 1

@@ -3,8 +3,6 @@
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 
-import numpy as np
-
 from synth.rover.balance import Balance, PhaseMean, means_over
 from synth.rover.gaits import Inching, Rolling
 from synth.rover.law.interface import WheelSoilLaw
@@ -125,7 +123,11 @@ class DrawbarTest:
         weight = self.ride.vehicle.weight
         self._measure()  # run in: the first way leads over undisturbed soil for all wheels
         free = self._measure()
-        done = [DrawbarPoint(0.0, free.velocity, float(travel_reduction(free.velocity, free.velocity)), free.phases)]
+        done = [
+            DrawbarPoint(
+                0.0, free.velocity, float(travel_reduction(free.velocity, free.velocity)), free.phases
+            )
+        ]
         yield done[0]
         while done[-1].travel_reduction < 1 and (load := steps.following(done)) is not None:
             self._tension(load * weight)

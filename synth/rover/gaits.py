@@ -7,7 +7,6 @@ they would rotate in the soil as the side frame moves" (section 4.1): a pushing 
 """
 
 import math
-from dataclasses import dataclass
 from typing import Protocol
 
 import numpy as np
@@ -71,9 +70,7 @@ class Rolling:
     phases = (ROLL,)
     cycle = None
 
-    def __init__(
-        self, vehicle: Vehicle, *, speed: float = DEFAULT_SPEED, stance: str | None = None
-    ) -> None:
+    def __init__(self, vehicle: Vehicle, *, speed: float = DEFAULT_SPEED, stance: str | None = None) -> None:
         require_speed(speed)
         self.stance = _choose_stance(vehicle, stance)
         self._held, self.speed = held_command(vehicle, self.stance), speed
@@ -218,5 +215,7 @@ def _holds_position(vehicle: Vehicle, wheel: VehicleWheel) -> bool:
     """A servo with stiffness against one with damping only."""
     bias = vehicle.model.actuator_biasprm[wheel.actuator]
     if bias[1] == 0 and bias[2] == 0:
-        raise VehicleError(f"{vehicle.path}: wheel {wheel.name!r}: its actuator is no position or velocity servo")
+        raise VehicleError(
+            f"{vehicle.path}: wheel {wheel.name!r}: its actuator is no position or velocity servo"
+        )
     return bool(bias[1] != 0)

@@ -16,7 +16,6 @@ Command = Callable[[float], NDArray]
 """The actuators' targets at a time (s), shape (actuator_count,)."""
 
 
-
 class Ride:
     """A vehicle on undisturbed soil, advanced step by step.
 
@@ -41,7 +40,12 @@ class Ride:
     """
 
     def __init__(
-        self, vehicle: Vehicle, law: WheelSoilLaw, *, stance: str | None = None, time_step: float | None = None
+        self,
+        vehicle: Vehicle,
+        law: WheelSoilLaw,
+        *,
+        stance: str | None = None,
+        time_step: float | None = None,
     ) -> None:
         import mujoco
 
@@ -63,12 +67,12 @@ class Ride:
 
     @property
     def time(self) -> float:
-        """s since the start."""
+        """S since the start."""
         return float(self.data.time)
 
     @property
     def travel(self) -> float:
-        """x of the vehicle's body, m."""
+        """X of the vehicle's body, m."""
         return float(self.data.xpos[self.vehicle.main_body, 0])
 
     @property
@@ -121,7 +125,9 @@ class Ride:
         applied, bodies, rear = self.data.xfrc_applied, self.vehicle.wheel_bodies, self.vehicle.rear_bodies
         sideways = self._hub_velocity()[:, 1]
         applied[bodies, 0] = forces.force_x
-        applied[bodies, 1] = -SIDE_FRICTION * np.maximum(forces.force_z, 0.0) * np.tanh(sideways / _SIDE_CREEP)
+        applied[bodies, 1] = (
+            -SIDE_FRICTION * np.maximum(forces.force_z, 0.0) * np.tanh(sideways / _SIDE_CREEP)
+        )
         applied[bodies, 2] = forces.force_z
         applied[bodies, 4] = forces.torque
         applied[rear, 0] -= self.pull / rear.size

@@ -23,7 +23,9 @@ def travel_reduction(velocity: ArrayLike, self_propelled: float) -> NDArray:
         The vehicle does not move by itself.
     """
     if not self_propelled > 0:
-        raise ValueError(f"self-propelled velocity {self_propelled:g}: the vehicle does not move without a load")
+        raise ValueError(
+            f"self-propelled velocity {self_propelled:g}: the vehicle does not move without a load"
+        )
     return (self_propelled - np.asarray(velocity, float)) / self_propelled
 
 

@@ -182,7 +182,9 @@ def _wheel(
 def _turns_about_y(model: "mujoco.MjModel", joint: int) -> bool:
     import mujoco
 
-    return model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE and np.allclose(model.jnt_axis[joint], (0, 1, 0))
+    return model.jnt_type[joint] == mujoco.mjtJoint.mjJNT_HINGE and np.allclose(
+        model.jnt_axis[joint], (0, 1, 0)
+    )
 
 
 def _rim(file: Path, model: "mujoco.MjModel", body: int) -> tuple[float, float]:

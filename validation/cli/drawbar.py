@@ -45,9 +45,12 @@ def drawbar(
         str, typer.Option(metavar="NAME", help="A shipped vehicle's name or an MJCF file with named wheels.")
     ] = "scarab",
     speed: Annotated[float, typer.Option(metavar="M/S", help="Of the rim of a rolling wheel.")] = 0.06,
-    film: Annotated[bool, typer.Option("--film", help="Also a film of one inching cycle at half its pull.")] = False,
+    film: Annotated[
+        bool, typer.Option("--film", help="Also a film of one inching cycle at half its pull.")
+    ] = False,
     processes: Annotated[
-        int | None, typer.Option(min=1, metavar="N", help="One curve each.  [default: every core]", show_default=False)
+        int | None,
+        typer.Option(min=1, metavar="N", help="One curve each.  [default: every core]", show_default=False),
     ] = None,
     overwrite: Annotated[bool, typer.Option("--overwrite", help="Measure again what OUT holds.")] = False,
     json: Json = False,
@@ -62,7 +65,9 @@ def drawbar(
     from validation.drawbar.document import drawbar_document, drawbar_table, ratio_lines
     from validation.drawbar.experiment import carry_out
     from validation.drawbar.files import write_results
+    from validation.drawbar.scene_picture import draw_without_display
 
+    draw_without_display()
     terminal = Terminal(json=json)
     steps = LoadSteps(loads=tuple(load or ()))
     orders = [

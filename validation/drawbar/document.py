@@ -122,7 +122,14 @@ def drawbar_table(curves: Sequence[Curve]) -> "Table":
     from rich.table import Table
 
     table = Table(title="Drawbar pull / vehicle weight")
-    columns = ("gait", "wheel", "law", *(f"at {reduction:.0%}" for reduction in REDUCTIONS), "maximum", "published")
+    columns = (
+        "gait",
+        "wheel",
+        "law",
+        *(f"at {reduction:.0%}" for reduction in REDUCTIONS),
+        "maximum",
+        "published",
+    )
     for name in (*columns, "difference"):
         table.add_column(name, justify="left" if name in ("gait", "wheel", "law") else "right")
     for curve in curves:

@@ -137,7 +137,7 @@ def _carry_out_one(order: CurveOrder, folder: Path, told: Any) -> None:
     for so_far in measure(order):
         curve = so_far
         told.put(1)
-    document = curve.to_dict() | {"made_by": _made_by(order)}
+    document = curve.to_dict() | {"made_by": made_by(order)}
     part = folder / f".partial-{order.name}.json"
     part.write_text(json.dumps(document, indent=1), encoding="utf-8")
     part.replace(folder / f"{order.name}.json")
@@ -149,13 +149,14 @@ def _found(folder: Path, order: CurveOrder) -> Curve | None:
     if not path.is_file():
         return None
     told = json.loads(path.read_text(encoding="utf-8"))
-    if told.pop("made_by") != _made_by(order):
+    if told.pop("made_by") != made_by(order):
         return None
     curve = Curve.from_dict(told)
     return curve if curve.order == order else None
 
 
-def _made_by(order: CurveOrder) -> dict[str, str]:
+def made_by(order: CurveOrder) -> dict[str, str]:
+    """What a curve depends on besides its order: versions of packages, and the vehicle's files."""
     from synth.rover.vehicle import load_vehicle
 
     digest = hashlib.sha256()

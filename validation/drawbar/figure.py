@@ -35,7 +35,9 @@ def travel_reduction_figure(curves: Sequence[Curve]) -> "Figure":
         if published is not None and curve.order.published_name not in drawn:
             drawn.add(curve.order.published_name)
             _mark_published(axes, curve, published)
-    axes.set(xlabel="drawbar pull / vehicle weight", ylabel="travel reduction [%]", ylim=(-3, 118), xlim=(0, None))
+    axes.set(
+        xlabel="drawbar pull / vehicle weight", ylabel="travel reduction [%]", ylim=(-3, 118), xlim=(0, None)
+    )
     axes.legend(frameon=False, fontsize=8, loc="upper left", bbox_to_anchor=(0.0, 0.93))
     return figure
 
@@ -95,7 +97,10 @@ def _draw_balance(axes: "Axes", curve: Curve, phase: str) -> None:
 
 
 def _describe(phase: str) -> str:
-    told = {"expand": "expand\n(front rolls, rear pushes)", "contract": "contract\n(rear rolls, front pushes)"}
+    told = {
+        "expand": "expand\n(front rolls, rear pushes)",
+        "contract": "contract\n(rear rolls, front pushes)",
+    }
     return told.get(phase, phase)
 
 

@@ -10,7 +10,9 @@ from validation.drawbar.figure import balance_figure, travel_reduction_figure
 from validation.terminal import Terminal
 
 
-def write_results(curves: Sequence[Curve], out: Path, *, film: bool = False, terminal: Terminal) -> list[Path]:
+def write_results(
+    curves: Sequence[Curve], out: Path, *, film: bool = False, terminal: Terminal
+) -> list[Path]:
     """Write figures, table and document, and the film of an inching cycle where it is asked for.
 
     Returns
