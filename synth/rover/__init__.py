@@ -1,1 +1,1 @@
-"""A rover on soft soil: its vehicle and gaits in MuJoCo, the force of the soil on its wheels, the drawbar test."""
+"""A rover on soft soil: its vehicle and gaits in MuJoCo, the soil's force on its wheels, the drawbar test."""

@@ -29,8 +29,8 @@ class LoadSteps:
     Attributes
     ----------
     loads : tuple of float
-        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that once the travel
-        reduction is above 0.2, a quarter above 0.5, until the vehicle is pulled back.
+        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that once the
+        travel reduction is above 0.2, a quarter above 0.5, until the vehicle is pulled back.
     coarse : float
     """
 

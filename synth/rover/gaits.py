@@ -1,9 +1,10 @@
 """How a vehicle moves: what its servos are told, and when a phase begins.
 
-Rolling: all wheels turn alike at a constant rim speed. Inching, or push-rolling (the paper's Fig. 15): while the
-side-frames spread, the front wheels roll and the rear ones push; while they close, the other way round. "The static
-wheels must actually counter-rotate in synchrony with the expanding or contracting side frame; if they were to be locked
-they would rotate in the soil as the side frame moves" (section 4.1): a pushing wheel's servo turns against its arm.
+Rolling: all wheels turn alike at a constant rim speed. Inching, or push-rolling (the paper's Fig. 15): while
+the side-frames spread, the front wheels roll and the rear ones push; while they close, the other way round.
+"The static wheels must actually counter-rotate in synchrony with the expanding or contracting side frame; if
+they were to be locked they would rotate in the soil as the side frame moves" (section 4.1): a pushing
+wheel's servo turns against its arm.
 """
 
 import math

@@ -9,7 +9,7 @@ from synth.rover.law.interface import WheelForces, WheelSoilLaw, WheelStates
 from synth.rover.vehicle import Vehicle
 
 SIDE_FRICTION = 0.5
-"""Sideways force over normal force of a wheel that slides sideways; assumed. Laws are plane and know no such force."""
+"""Sideways force over normal force of a wheel that slides sideways, which laws know nothing of; assumed."""
 _SIDE_CREEP = 0.01
 """m/s; sideways velocity at which it is mobilised."""
 Command = Callable[[float], NDArray]

@@ -1,7 +1,8 @@
 """Wheelbase and the angle between the arms of a side-frame.
 
-Both arms of a side-frame are as long, and both shoulders of a vehicle on one axis, so that with L the arm from shoulder
-to hub, wheelbase = 2 L sin(spread / 2) and the shoulder stands L cos(spread / 2) above the hubs.
+Both arms of a side-frame are as long, and both shoulders of a vehicle on one axis, so that with L the arm
+from shoulder to hub, wheelbase = 2 L sin(spread / 2) and the shoulder stands L cos(spread / 2) above the
+hubs.
 """
 
 import math

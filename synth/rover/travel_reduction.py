@@ -1,6 +1,7 @@
 """Travel reduction and velocity as the paper has them (Eqs. 8, 9).
 
-Travel reduction is the loss of velocity against the same vehicle without a drawbar pull, its wheels turning alike.
+Travel reduction is the loss of velocity against the same vehicle without a drawbar pull, its wheels turning
+alike.
 """
 
 import numpy as np

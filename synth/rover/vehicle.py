@@ -118,9 +118,9 @@ def shipped_vehicle_path(name: str) -> Path:
 def load_vehicle(path: str | Path) -> Vehicle:
     """Load an MJCF model.
 
-    A wheel is a body whose name ends in `_wheel`, on one hinge about y, with a cylinder geom: its rim. Wheels with
-    y > 0 run in the left rut, the others in the right one. Contacts of the model are switched off: the soil's force
-    comes from a law.
+    A wheel is a body whose name ends in `_wheel`, on one hinge about y, with a cylinder geom: its rim.
+    Wheels with y > 0 run in the left rut, the others in the right one. Contacts of the model are switched
+    off: the soil's force comes from a law.
 
     Parameters
     ----------

@@ -28,7 +28,7 @@ def drawbar(
         typer.Option(
             "--law",
             metavar="LAW",
-            help="rft (resistive force theory), bwj (Bekker-Wong-Janosi) or scm (the latter on columns); may repeat.",
+            help="rft (resistive force theory), bwj (Bekker-Wong-Janosi), scm (bwj on columns); may repeat.",
             show_default="rft",
         ),
     ] = None,

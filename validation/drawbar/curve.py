@@ -1,6 +1,6 @@
 """A curve of travel reduction against drawbar pull: what to measure, and what was measured."""
 
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from synth.rover.drawbar import DrawbarPoint, LoadSteps
@@ -34,7 +34,7 @@ class CurveOrder:
     gait: str
     wheel: str
     law: str
-    steps: LoadSteps = LoadSteps()
+    steps: LoadSteps = field(default_factory=LoadSteps)
     speed: float = DEFAULT_SPEED
     time_step: float | None = None
 
@@ -80,7 +80,7 @@ class Curve:
 
     @property
     def maximum(self) -> float:
-        """Drawbar pull over weight at which the vehicle comes to stand; the greatest load, if it never does."""
+        """Drawbar pull over weight at which the vehicle stands; the greatest load, if it never does."""
         standing = self._pull_at(1.0)
         return self.points[-1].drawbar_pull_ratio if standing is None else standing
 

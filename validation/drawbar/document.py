@@ -1,4 +1,4 @@
-"""Curves told: the JSON document, the tidy table, and the lines for a person, with the published maxima beside."""
+"""Curves told: the JSON document, the table, lines for a person; the published maxima beside."""
 
 import csv
 from collections.abc import Iterator, Sequence
@@ -144,7 +144,7 @@ def drawbar_table(curves: Sequence[Curve]) -> "Table":
 def ratio_lines(curves: Sequence[Curve]) -> str:
     """What inching gains, beside what was published."""
     return "\n".join(
-        f"inching / rolling, {one.wheel} wheels, law {one.law}: {one.value:.2f} (published {one.published:.2f})"
+        f"inching / rolling, {one.wheel} wheels, {one.law}: {one.value:.2f} (published {one.published:.2f})"
         for one in ratios(curves)
     )
 

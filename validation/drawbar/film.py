@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from synth.rover.ride import Ride
 
 _RATE = 25.0  # pictures a second
-_HASTE = 2.0  # seconds of the vehicle in one of the film
+_HASTE = 3.0  # seconds of the vehicle in one of the film
 _BEFORE = 1.0  # s at rest
 _LETTERS = 0.58
 _TOLD = {"expand": "expanding: front rolls, rear pushes", "contract": "contracting: rear rolls, front pushes"}

@@ -1,7 +1,8 @@
 """What a vehicle and a wheel-soil law tell each other.
 
-World frame, SI units: x forward along the travel, z up, the undisturbed surface of the soil at z = 0. Every wheel turns
-in a plane y = constant. All wheels go through one call, so that a law can work on all of them at once.
+World frame, SI units: x forward along the travel, z up, the undisturbed surface of the soil at z = 0. Every
+wheel turns in a plane y = constant. All wheels go through one call, so that a law can work on all of them at
+once.
 """
 
 from collections.abc import Sequence
@@ -13,7 +14,7 @@ from numpy.typing import NDArray
 
 @dataclass(frozen=True)
 class PlacedWheel:
-    """A wheel as a law is told of it (radius and width in m); wheels of one track, such as `left`, share a rut."""
+    """A wheel as a law is told of it (m); wheels of one track, such as `left`, share a rut."""
 
     name: str
     track: str
@@ -25,8 +26,9 @@ class PlacedWheel:
 class WheelStates:
     """Of every placed wheel, in the order of placing, each array of shape (wheel_count,), float64.
 
-    `x`, `z` are the axle's place (m), `velocity_x`, `velocity_z` its velocity (m/s), `angle` (rad) and `spin` (rad/s) the
-    turn of the rim in the world: `spin` > 0 drives the wheel towards +x (its top moves towards +x).
+    `x`, `z` are the axle's place (m), `velocity_x`, `velocity_z` its velocity (m/s), `angle` (rad) and
+    `spin` (rad/s) the turn of the rim in the world: `spin` > 0 drives the wheel towards +x (its top moves
+    towards +x).
     """
 
     x: NDArray
@@ -39,7 +41,7 @@ class WheelStates:
 
 @dataclass(frozen=True)
 class WheelForces:
-    """Of the soil on every wheel, about its axle, arrays of shape (wheel_count,): N, N, and N m in the sense of `spin`.
+    """Of the soil on every wheel, about its axle, shape (wheel_count,): N, N, and N m in the sense of `spin`.
 
     A wheel that drives meets a `torque` < 0.
     """
@@ -53,7 +55,7 @@ class WheelSoilLaw(Protocol):
     """The force of the soil on wheels, with what the soil and the rim remember."""
 
     def place(self, wheels: Sequence[PlacedWheel]) -> None:
-        """Take the wheels of one vehicle on undisturbed soil; whatever was remembered of others is forgotten."""
+        """Take the wheels of one vehicle on undisturbed soil; others are forgotten."""
         ...
 
     def advance(self, states: WheelStates, time_step: float) -> WheelForces:
@@ -68,5 +70,5 @@ class WheelSoilLaw(Protocol):
         ...
 
     def rut(self, track: str) -> NDArray:
-        """Surface of the soil along a track as it is now, shape (point_count, 2): x and z, m; for pictures."""
+        """Surface of the soil along a track, shape (point_count, 2): x and z, m; for pictures."""
         ...

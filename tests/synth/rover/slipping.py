@@ -1,4 +1,4 @@
-"""A soil whose drawbar curves are known: it bears elastically and thrusts in proportion to the slip velocity."""
+"""A soil whose drawbar curves are known: it bears elastically and thrusts by slip velocity."""
 
 import numpy as np
 

@@ -6,7 +6,8 @@ from synth.rover.stance import side_frame
 from synth.rover.vehicle import VehicleError, load_vehicle
 
 CART = """<mujoco><worldbody><body name="cart" pos="0 0 1"><freejoint/><geom size="0.1"/>
-<body name="{name}" pos="0 0.2 0"><joint axis="{axis}"/><geom type="{geom}" size="0.1 0.05" zaxis="0 1 0"/></body>
+<body name="{name}" pos="0 0.2 0"><joint axis="{axis}"/>
+<geom type="{geom}" size="0.1 0.05" zaxis="0 1 0"/></body>
 </body></worldbody></mujoco>"""
 
 
