@@ -41,6 +41,15 @@ def drawbar(
             show_default="steps up to where the vehicle stands",
         ),
     ] = None,
+    soil: Annotated[
+        Path | None,
+        typer.Option(
+            "--soil",
+            metavar="FILE",
+            help="identification.json of softbed identify, for rft.",
+            show_default="loose GRC-1, by published values",
+        ),
+    ] = None,
     vehicle: Annotated[
         str, typer.Option(metavar="NAME", help="A shipped vehicle's name or an MJCF file with named wheels.")
     ] = "scarab",
@@ -71,7 +80,9 @@ def drawbar(
     terminal = Terminal(json=json)
     steps = LoadSteps(loads=tuple(load or ()))
     orders = [
-        CurveOrder(vehicle, one_gait, one_wheel, one_law, steps, speed)
+        CurveOrder(
+            vehicle, one_gait, one_wheel, one_law, steps, speed, soil=None if soil is None else str(soil)
+        )
         for one_law in law or ["rft"]
         for one_wheel in wheel or _WHEELS
         for one_gait in gait or _GAITS

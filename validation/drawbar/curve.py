@@ -28,6 +28,8 @@ class CurveOrder:
         Of the rim, m/s.
     time_step : float or None
         s; None: the model's own.
+    soil : str or None
+        File that `softbed identify` wrote; None: loose GRC-1 by published values.
     """
 
     vehicle: str
@@ -37,6 +39,7 @@ class CurveOrder:
     steps: LoadSteps = field(default_factory=LoadSteps)
     speed: float = DEFAULT_SPEED
     time_step: float | None = None
+    soil: str | None = None
 
     @property
     def name(self) -> str:

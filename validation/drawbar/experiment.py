@@ -8,12 +8,15 @@ from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wai
 from multiprocessing import get_context
 from pathlib import Path
 from queue import Empty
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.drawbar.curve import Curve, CurveOrder
 from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 from validation.versions import package_version
+
+if TYPE_CHECKING:
+    from synth.rover.law.rim_law import RimLaw
 
 CURVES = "curves"
 """Folder with one JSON file for each curve, forces on the wheels with it."""
@@ -72,11 +75,10 @@ def measure(order: CurveOrder) -> Iterator[Curve]:
     """Measure a curve; given after each point, as far as it is."""
     from synth.rover.drawbar import DrawbarTest
     from synth.rover.gaits import make_gait
-    from synth.rover.law.catalogue import make_law
     from synth.rover.vehicle import load_vehicle
 
     vehicle = load_vehicle(order.vehicle)
-    law = make_law(order.law, wheel=order.wheel)  # type: ignore[arg-type]
+    law = law_of(order)
     gait = make_gait(order.gait, vehicle, speed=order.speed)
     test = DrawbarTest(vehicle, law, gait, time_step=order.time_step)
     points = []
@@ -88,11 +90,18 @@ def measure(order: CurveOrder) -> Iterator[Curve]:
 def _require(order: CurveOrder) -> None:
     """Raise where an order cannot be carried out: before processes are started."""
     from synth.rover.gaits import make_gait
-    from synth.rover.law.catalogue import make_law
     from synth.rover.vehicle import load_vehicle
 
     make_gait(order.gait, load_vehicle(order.vehicle), speed=order.speed)
-    make_law(order.law, wheel=order.wheel)  # type: ignore[arg-type]
+    law_of(order)
+
+
+def law_of(order: CurveOrder) -> "RimLaw":
+    """The wheel-soil law of an order, with its soil."""
+    from synth.rover.law.catalogue import make_law, read_soil
+
+    soil = None if order.soil is None else read_soil(order.soil)
+    return make_law(order.law, wheel=order.wheel, soil=soil)  # type: ignore[arg-type]
 
 
 def _longest_first(orders: Sequence[CurveOrder]) -> list[CurveOrder]:
@@ -156,10 +165,11 @@ def _found(folder: Path, order: CurveOrder) -> Curve | None:
 
 
 def made_by(order: CurveOrder) -> dict[str, str]:
-    """What a curve depends on besides its order: versions of packages, and the vehicle's files."""
+    """What a curve depends on besides its order: versions, the vehicle's files, the soil's constants."""
     from synth.rover.vehicle import load_vehicle
 
     digest = hashlib.sha256()
     for path in sorted(load_vehicle(order.vehicle).path.parent.glob("*.xml")):
         digest.update(path.read_bytes())
-    return {name: package_version(name) or "" for name in _MADE_BY} | {"vehicle": digest.hexdigest()}
+    versions = {name: package_version(name) for name in _MADE_BY}
+    return versions | {"vehicle": digest.hexdigest(), "soil": repr(law_of(order).soil)}

@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from validation.drawbar.curve import Curve, CurveOrder
+from validation.drawbar.experiment import law_of
 from validation.drawbar.scene_picture import SceneCamera, Size, camera_on
 from validation.terminal import Progress, Terminal
 
@@ -55,13 +56,12 @@ def film_order(order: CurveOrder, path: Path, *, pull: float, progress: Progress
 
 def _pictures(order: CurveOrder, pull: float, progress: Progress | None) -> Iterator[NDArray]:
     from synth.rover.gaits import make_gait
-    from synth.rover.law.catalogue import make_law
     from synth.rover.ride import Ride
     from synth.rover.vehicle import load_vehicle
 
     vehicle = load_vehicle(order.vehicle)
     gait = make_gait(order.gait, vehicle, speed=order.speed)
-    ride = Ride(vehicle, make_law(order.law, wheel=order.wheel), stance=gait.stance)  # type: ignore[arg-type]
+    ride = Ride(vehicle, law_of(order), stance=gait.stance)
     cycle = gait.cycle or 10.0
     apart = round(_HASTE / _RATE / ride.time_step)
     first, last = round((_BEFORE + cycle) / ride.time_step), round((_BEFORE + 2 * cycle) / ride.time_step)

@@ -93,6 +93,7 @@ def test_the_command_goes_on_with_what_is_there(tmp_path, capsys):
         (["--gait", "crawling"], "gait 'crawling'"),
         (["--wheel", "square"], "wheel = 'square'"),
         (["--law", "hertz"], "law = 'hertz'"),
+        (["--soil", __file__], "the table 'soil' of softbed identify is needed"),
         (["--load", "0.2", "--load", "0.1"], "positive and rising"),
         (["--speed", "0"], "must be positive"),
         (["--vehicle", "lunokhod"], "lunokhod: neither an MJCF file nor a shipped vehicle"),
