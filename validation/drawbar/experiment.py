@@ -172,4 +172,4 @@ def made_by(order: CurveOrder) -> dict[str, str]:
     for path in sorted(load_vehicle(order.vehicle).path.parent.glob("*.xml")):
         digest.update(path.read_bytes())
     versions = {name: package_version(name) for name in _MADE_BY}
-    return versions | {"vehicle": digest.hexdigest(), "soil": repr(law_of(order).soil)}
+    return versions | {"vehicle": digest.hexdigest(), "soil": repr(getattr(law_of(order), "soil", None))}
