@@ -13,6 +13,7 @@ from synth.camera.samples import in_groups
 from synth.camera.streams import Purpose, random_stream
 from synth.camera.texture import tone_behind
 from synth.camera.tiles import TILE
+from synth.devices import thread_count
 
 if TYPE_CHECKING:
     import numpy as np
@@ -105,7 +106,7 @@ def light_on_sensor(
 def _filter_rows(fine: "np.ndarray", weights: "np.ndarray", sampling: int, filtered: "np.ndarray") -> None:
     """Sum the rows of samples around every row of pixels, weighted; the first one's start is the first row.
 
-    Some rows at a time are a product with a small matrix, the same one all over; two threads do half each.
+    Some rows at a time are a product with a small matrix, the same one all over; every thread does a part.
     """
     import numpy as np
 
@@ -119,11 +120,10 @@ def _filter_rows(fine: "np.ndarray", weights: "np.ndarray", sampling: int, filte
             begin = row * sampling
             np.matmul(matrix, fine[begin : begin + matrix.shape[1]], out=filtered[row : row + count])
 
-    starts = [*range(0, len(filtered) - count, count), len(filtered) - count]
-    halves = starts[: len(starts) // 2], starts[len(starts) // 2 :]
+    starts, parts = [*range(0, len(filtered) - count, count), len(filtered) - count], thread_count()
     # More threads in a small product would wait more than they work.
-    with _linear_algebra().limit(limits=1, user_api="blas"), ThreadPoolExecutor(2) as threads:
-        list(threads.map(filter_from, halves))
+    with _linear_algebra().limit(limits=1, user_api="blas"), ThreadPoolExecutor(parts) as threads:
+        list(threads.map(filter_from, (starts[part::parts] for part in range(parts))))
 
 
 @lru_cache(maxsize=1)
