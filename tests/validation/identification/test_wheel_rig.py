@@ -43,7 +43,7 @@ def test_published_constants_alone_come_near_it(comparison):
     for k in range(4, 9):
         one, law = comparison.measured[k], comparison.unfitted[k]
         assert law.sinkage == pytest.approx(one.sinkage, rel=0.25)
-        assert law.drawbar_pull == pytest.approx(one.drawbar_pull, abs=0.08 * one.load)
+        assert law.drawbar_pull == pytest.approx(one.drawbar_pull, abs=0.11 * one.load)
 
 
 @with_data
