@@ -41,8 +41,8 @@ def search(first: np.ndarray, second: np.ndarray, *, finest: int, quick: bool = 
     return solver.calc(first, second, None)  # type: ignore[call-overload, no-any-return]
 
 
-def common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray | None:
-    """Shift from the first to the second picture, whole px (x, y) float32; None unless clear and large.
+def common_shift(first: np.ndarray, second: np.ndarray, *, large: float = LARGE) -> np.ndarray | None:
+    """Shift from the first to the second picture, whole px (x, y) float32; None unless clear and `large`.
 
     By phase correlation of pictures faded out towards their border (Hann window): borders that do not match
     their opposites would hide the shift. Large pictures are taken at half their size.
@@ -54,7 +54,7 @@ def common_shift(first: np.ndarray, second: np.ndarray) -> np.ndarray | None:
     window = cv2.createHanningWindow((before.shape[1], before.shape[0]), cv2.CV_32F)
     found, peak = cv2.phaseCorrelate(before, after, window)
     shift = np.rint(scale * np.array(found)).astype(np.float32)
-    return shift if peak > _CLEAR and np.hypot(*shift) > LARGE else None
+    return shift if peak > _CLEAR and np.hypot(*shift) > large else None
 
 
 def _reduced(grey: np.ndarray, scale: int) -> np.ndarray:
@@ -74,7 +74,10 @@ def mismatch(first: np.ndarray, second: np.ndarray, motion: np.ndarray, *, box: 
     return cv2.boxFilter(cv2.absdiff(first, there), cv2.CV_32F, (box, box))
 
 
-def better_of(first: np.ndarray, second: np.ndarray, one: np.ndarray, other: np.ndarray) -> np.ndarray:
-    """The one of two motions (H, W, 2) under which the pictures agree better, pixel by pixel."""
-    better = mismatch(first, second, one) < mismatch(first, second, other)
+def better_of(
+    first: np.ndarray, second: np.ndarray, one: np.ndarray, other: np.ndarray, *, box: int = 15
+) -> np.ndarray:
+    """The one of two motions (H, W, 2) under which the pictures agree better, in a box around each pixel."""
+    off, other_off = (mismatch(first, second, motion, box=box) for motion in (one, other))
+    better = off < other_off
     return np.where(better[:, :, None], one, other)

@@ -92,7 +92,7 @@ def estimate_flow(
         if check is not None and (field.valid & right).any():
             back = read_back(field.displacement, _backward(estimator, first, second, field, settings))
             right &= check.passed(field.displacement, back)
-        field = field.where(right)
+        field = field.where(right, copy=False)  # made here, nobody else has it
         return _with_uncertainty(estimator, first, second, field, back, settings, wanted=uncertainty)
 
 

@@ -1,6 +1,6 @@
 """What a flow estimator returns."""
 
-from dataclasses import dataclass, replace
+from dataclasses import InitVar, dataclass, replace
 
 import numpy as np
 
@@ -31,6 +31,8 @@ class FlowField:
     nodes : (H, W, 2) float32 or None
         (x, y) in px of the place that a pixel's displacement was measured at, at most half a px from its
         centre each way; NaN for pixels of which the method does not tell. None: told of all, at the centres.
+    copy : bool, only when made
+        False: the arrays given are taken over and written into, where they are float32 already.
 
     Raises
     ------
@@ -43,9 +45,10 @@ class FlowField:
     uncertainty: np.ndarray | None = None
     gradient: np.ndarray | None = None
     nodes: np.ndarray | None = None
+    copy: InitVar[bool] = True
 
-    def __post_init__(self) -> None:
-        displacement = np.array(self.displacement, dtype=np.float32)
+    def __post_init__(self, copy: bool) -> None:
+        displacement = _as_float(self.displacement, copy)
         if displacement.ndim != 3 or displacement.shape[2] != 2:
             raise FlowError(f"displacement: shape {displacement.shape}: must be (H, W, 2)")
         shape = displacement.shape[:2]
@@ -55,15 +58,18 @@ class FlowField:
         if self.nodes is not None:
             object.__setattr__(self, "nodes", _checked_nodes(self.nodes, shape))
             valid &= known(self.nodes)
-        displacement[~valid] = np.nan
+        _set_nan(displacement, valid)
         object.__setattr__(self, "displacement", displacement)
         object.__setattr__(self, "valid", valid)
         for name, tail in (("uncertainty", (2,)), ("gradient", (2, 2))):
-            object.__setattr__(self, name, _companion(name, getattr(self, name), valid, tail))
+            object.__setattr__(self, name, _companion(name, getattr(self, name), valid, tail, copy))
 
-    def where(self, usable: np.ndarray) -> "FlowField":
-        """Return the same field, valid only where `usable` (H, W) bool is true as well."""
-        return replace(self, valid=self.valid & usable)
+    def where(self, usable: np.ndarray, *, copy: bool = True) -> "FlowField":
+        """Return the same field, valid only where `usable` (H, W) bool is true as well.
+
+        Without `copy` this field's own arrays go over to it and are written into.
+        """
+        return replace(self, valid=self.valid & usable, copy=copy)
 
 
 def known(vectors: np.ndarray) -> np.ndarray:
@@ -82,12 +88,21 @@ def _checked_nodes(nodes: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return nodes
 
 
-def _companion(name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...]):
-    """Copy `values` as float32 with NaN where the field is not valid."""
+def _companion(name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...], copy: bool):
+    """`values` as float32 with NaN where the field is not valid."""
     if values is None:
         return None
-    copy = np.array(values, dtype=np.float32)
-    if copy.shape != valid.shape + tail:
-        raise FlowError(f"{name}: shape {copy.shape}: must be {valid.shape + tail}")
-    copy[~valid] = np.nan
-    return copy
+    told = _as_float(values, copy)
+    if told.shape != valid.shape + tail:
+        raise FlowError(f"{name}: shape {told.shape}: must be {valid.shape + tail}")
+    _set_nan(told, valid)
+    return told
+
+
+def _as_float(values: np.ndarray, copy: bool) -> np.ndarray:
+    return np.array(values, dtype=np.float32) if copy else np.asarray(values, dtype=np.float32)
+
+
+def _set_nan(values: np.ndarray, valid: np.ndarray) -> None:
+    if not valid.all():
+        values[~valid] = np.nan

@@ -33,3 +33,11 @@ def to_8bit(picture: np.ndarray) -> np.ndarray:
     texture has a contrast of a few grey levels.
     """
     return np.ascontiguousarray(np.clip(np.rint(picture), 0, 255).astype(np.uint8))
+
+
+def halved(picture: np.ndarray) -> np.ndarray:
+    """A picture of half the size, rounded up, by averaging."""
+    import cv2
+
+    height, width = picture.shape
+    return cv2.resize(picture, ((width + 1) // 2, (height + 1) // 2), interpolation=cv2.INTER_AREA)

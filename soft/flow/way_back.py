@@ -5,7 +5,7 @@ import numpy as np
 from soft.flow.coarse_search import least_side, mismatch, search
 from soft.flow.consistency import landing
 from soft.flow.field import FlowField
-from soft.flow.opencv import to_8bit
+from soft.flow.opencv import halved, to_8bit
 
 MISSES = 2.0
 """By so much the way back may miss the start, px: near breaks of the motion, coarse search is off by one."""
@@ -44,10 +44,7 @@ def quick_way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, op
     import cv2
 
     height, width = first.shape
-    half = ((width + 1) // 2, (height + 1) // 2)
-    before, after = (
-        cv2.resize(to_8bit(grey), half, interpolation=cv2.INTER_AREA) for grey in (first, second)
-    )
+    before, after = (halved(to_8bit(grey)) for grey in (first, second))
     back = _back(before, after, forward.displacement[::2, ::2] / 2, finest=_FINEST - 1)
     return cv2.resize(2 * back, (width, height), interpolation=cv2.INTER_NEAREST)
 

@@ -69,17 +69,13 @@ class PicturePair:
         kernels.constrain(self.first, warped, gain, models, self.usable, self.step, values)
         return Constraints(values, gain, warped[:, :, 1:3], self.step)
 
-    def constrain_again(
-        self, constraints: "Constraints", models: np.ndarray, places: np.ndarray
-    ) -> "Constraints":
-        """The same, but at some places, rows and columns (P, 2) int32, where models are others now."""
+    def constrain_again(self, constraints: "Constraints", models: np.ndarray, places: np.ndarray) -> None:
+        """Renew the equations of some places, rows and columns (P, 2) int32, whose models are others now."""
         from soft.flow.robust_affine import brightness_kernels as kernels
 
-        values = constraints.values.copy()
         kernels.constrain_places(
-            places, self.coefficients, self.first, constraints.gain, models, self.usable, values
+            places, self.coefficients, self.first, constraints.gain, models, self.usable, constraints.values
         )
-        return replace(constraints, values=values)
 
 
 @dataclass(frozen=True, eq=False)

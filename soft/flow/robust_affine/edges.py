@@ -10,6 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from soft.flow.robust_affine.brightness import Constraints, PicturePair
+from soft.masks import grown
 
 RINGS = ((12, 6), (3,))
 """Radii of the circles from which models are tried, px: those of the first round, then the second."""
@@ -33,72 +34,84 @@ _MEDIAN = 5
 
 @dataclass(frozen=True, eq=False)
 class _Zone:
-    """Where to work: `mask` (H, W) bool, and its pixels' rows and columns (P, 2) int32."""
+    """Where to work.
+
+    Attributes
+    ----------
+    mask : (H, W) bool
+    places : (P, 2) int32
+        Rows and columns of its pixels.
+    around : (Q, 2) int32
+        The same, and those that their costs are averaged over.
+    """
 
     mask: np.ndarray
     places: np.ndarray
+    around: np.ndarray
+
+    @classmethod
+    def of(cls, mask: np.ndarray) -> "_Zone":
+        wider = grown(mask, _BOX // 2 + _SHIFT // 2)
+        return cls(mask, *(np.argwhere(where).astype(np.int32) for where in (mask, wider)))
+
+    @property
+    def index(self) -> tuple[np.ndarray, np.ndarray]:
+        """Of its pixels in an array (H, W, ..)."""
+        return self.places[:, 0], self.places[:, 1]
 
 
-def mend(
-    pair: PicturePair, models: np.ndarray, constraints: Constraints, mask: np.ndarray
-) -> tuple[np.ndarray, Constraints]:
-    """Find better models near breaks of the motion.
+def mend(pair: PicturePair, models: np.ndarray, constraints: Constraints, mask: np.ndarray) -> None:
+    """Find better models near breaks of the motion, and put them in place.
 
     Parameters
     ----------
     pair : PicturePair
     models : (H, W, 6) float32
+        Better afterwards where the pictures say so.
     constraints : Constraints
-        At these models.
+        At these models, afterwards too.
     mask : (H, W) bool
         Where to look.
-
-    Returns
-    -------
-    models : (H, W, 6) float32
-        The same, but better where the pictures say so.
-    constraints : Constraints
-        At them.
     """
     if not mask.any():
-        return models, constraints
-    zone = _Zone(mask, np.argwhere(mask).astype(np.int32))
+        return
+    zone = _Zone.of(mask)
     noise = constraints.noise()
-    found = models
+    models_before, values_before = models[zone.index], constraints.values[zone.index]
+    cost_before = _boxed(_costs(constraints, zone, _FIT_WIDTH * noise))[zone.index]
+    cost = _costs(constraints, zone, _COST_WIDTH * noise)
     for radii in RINGS:
-        found = _propagated(pair, found, constraints, zone, radii, noise)
-        _smooth(found, zone)
-    renewed = pair.constrain_again(constraints, found, zone.places)
-    found = _refitted(renewed, found, zone, noise)
-    _smooth(found, zone)
-    renewed = pair.constrain_again(constraints, found, zone.places)
-    width = _FIT_WIDTH * noise
-    better = mask & (_boxed(_costs(renewed, width)) < _boxed(_costs(constraints, width)))
-    renewed.values[~better] = constraints.values[~better]
-    return np.where(better[:, :, None], found, models), renewed
+        _propagate(pair, models, constraints, zone, cost, radii, _COST_WIDTH * noise)
+        _smooth(models, zone)
+    pair.constrain_again(constraints, models, zone.places)
+    _refit(constraints, models, zone, noise)
+    _smooth(models, zone)
+    pair.constrain_again(constraints, models, zone.places)
+    worse = ~(_boxed(_costs(constraints, zone, _FIT_WIDTH * noise))[zone.index] < cost_before)
+    back = tuple(axis[worse] for axis in zone.index)
+    models[back], constraints.values[back] = models_before[worse], values_before[worse]
 
 
-def _propagated(
+def _propagate(
     pair: PicturePair,
     models: np.ndarray,
     constraints: Constraints,
     zone: _Zone,
+    cost: np.ndarray,
     radii: tuple[int, ...],
-    noise: float,
-) -> np.ndarray:
+    width: float,
+) -> None:
+    """Let every place take the best model around; `cost` beside the zone counts, in it every candidate's."""
     from soft.flow.robust_affine import edge_kernels as kernels
 
-    width = _COST_WIDTH * noise
-    cost = _costs(constraints, width)  # beside the zone; every candidate's own is written over the rest
-    found, candidates = models.copy(), np.empty((len(zone.places), 6), np.float32)
+    candidates = np.empty((len(zone.places), 6), np.float32)
     least = np.full(zone.mask.shape, np.inf, np.float32)
     for right, down in [(0, 0), *(offset for radius in radii for offset in _ring(radius))]:
         kernels.try_neighbours(
             zone.places, right, down, pair.first, pair.coefficients, constraints.gain, pair.usable,
-            width, found, candidates, cost,
+            width, models, candidates, cost,
         )  # fmt: skip
-        kernels.take_better(zone.places, candidates, _shifted(cost), least, found)
-    return found
+        kernels.take_better(zone.places, candidates, _shifted(cost), least, models)
 
 
 def _ring(radius: int) -> list[tuple[int, int]]:
@@ -106,10 +119,13 @@ def _ring(radius: int) -> list[tuple[int, int]]:
     return [(round(radius * np.cos(angle)), round(radius * np.sin(angle))) for angle in angles]
 
 
-def _costs(constraints: Constraints, width: float) -> np.ndarray:
-    """Lorentzian of every pixel's residual; 1.5 where there is none."""
-    z = constraints.values[:, :, 4] / np.float32(width)
-    return np.where(constraints.values[:, :, 3] > 0, np.log1p(z * z / 2), np.float32(1.5))
+def _costs(constraints: Constraints, zone: _Zone, width: float) -> np.ndarray:
+    """Lorentzian of the residuals in and around the zone; 1.5 where there is none, 0 elsewhere."""
+    from soft.flow.robust_affine import edge_kernels as kernels
+
+    cost = np.zeros(zone.mask.shape, np.float32)
+    kernels.tell_costs(zone.around, constraints.values, width, cost)
+    return cost
 
 
 def _boxed(cost: np.ndarray) -> np.ndarray:
@@ -130,16 +146,13 @@ def _smooth(models: np.ndarray, zone: _Zone) -> None:
     import cv2
 
     for component in (0, 3):
-        motion = np.ascontiguousarray(models[:, :, component])
-        cv2.copyTo(cv2.medianBlur(motion, _MEDIAN), zone.mask.view(np.uint8), motion)
-        models[:, :, component] = motion
+        smooth = cv2.medianBlur(cv2.extractChannel(models, component), _MEDIAN)
+        models[(*zone.index, component)] = smooth[zone.index]
 
 
-def _refitted(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: float) -> np.ndarray:
+def _refit(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: float) -> None:
     from soft.flow.robust_affine import edge_kernels as kernels
 
     fitted = np.empty((len(zone.places), 6), np.float32)
     kernels.refit(zone.places, constraints.values, _REACH, _WINDOW, _APART, noise, _FIT_WIDTH, models, fitted)
-    found = models.copy()
-    found[zone.mask] = fitted
-    return found
+    models[zone.index] = fitted

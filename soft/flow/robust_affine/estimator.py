@@ -86,7 +86,7 @@ def _solve(
     pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
     deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
     thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
-    coarse = np.ascontiguousarray(seed(first, second, quick=options.preset == "fast")[::_THIN, ::_THIN])
+    coarse = seed(first, second, quick=options.preset == "fast")
     if options.preset == "accurate":
         thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], _approached(trusted, coarse))
         trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | inner)
@@ -99,10 +99,10 @@ def _solve(
     if options.edges:
         models = _mended(pair, models, chosen)
     models = carried_outwards(models, pair.usable > 0, mask)
-    gradient = np.stack([models[:, :, 1:3], models[:, :, 4:6]], axis=2)
     sigma = standard_deviation(chosen, models[::_THIN, ::_THIN], options.preset)
     sigma = widen_at_rim(repeated(sigma, _THIN, pair.shape), mask)
-    return FlowField(models[:, :, ::3], mask, sigma, gradient)
+    displacement, gradient = models[:, :, ::3], models.reshape(*pair.shape, 2, 3)[:, :, :, 1:]
+    return FlowField(displacement, mask, sigma, gradient)
 
 
 def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:
@@ -129,14 +129,14 @@ def _chosen(
 
 
 def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray:
-    jump, level = (repeated(values, _THIN, pair.shape) for values in (chosen.jump, chosen.level))
-    broken = grown(jump > _JUMP, _AROUND) & (pair.usable > 0)
-    models, constraints = mend(pair, models, pair.constrain(models), broken)
+    jumps, curved = (repeated(v, _THIN, pair.shape) for v in (chosen.jump > _JUMP, chosen.level <= _CURVED))
+    broken = grown(jumps, _AROUND) & (pair.usable > 0)
+    constraints = pair.constrain(models)
+    mend(pair, models, constraints, broken)
     noise = constraints.noise()
     products = Products.of(constraints, noise, _NARROW, rest=True).gathered()
-    rest = fit_rest(products, _CURVE, noise).models(pair.shape, 1)
-    rest[level > _CURVED] = 0
-    return models + rest
+    fit_rest(products, _CURVE, noise).add_to(models, np.ascontiguousarray(curved))
+    return models
 
 
 def _backward(

@@ -32,7 +32,7 @@ _BOX = 5
 
 def shrunk(mask: np.ndarray, by: int) -> np.ndarray:
     """A mask (H, W) bool without the pixels at most `by` px from what lies outside of it."""
-    return ~grown(~mask, by)
+    return mask if mask.all() else ~grown(~mask, by)
 
 
 def join(

@@ -7,28 +7,29 @@ the picture shares (phase correlation), where that is large, and each pixel take
 
 import numpy as np
 
-from soft.flow.coarse_search import better_of, common_shift, least_side, search
-from soft.flow.opencv import to_8bit
-
-_FINEST = 1
-"""Level of the pyramid on which the search ends: 1 = half resolution."""
+from soft.flow.coarse_search import LARGE, better_of, common_shift, least_side, search
+from soft.flow.opencv import halved, to_8bit
 
 
 def seed(first: np.ndarray, second: np.ndarray, *, quick: bool) -> np.ndarray:
-    """Models (H, W, 6) of motion without gradients; zero on pictures too small for a pyramid."""
-    models = np.zeros((*first.shape, 6), np.float32)
-    if min(first.shape) >= least_side(_FINEST):
-        models[:, :, ::3] = _searched(to_8bit(first), to_8bit(second), quick)
+    """Motion without gradients: models of every second pixel each way, found on pictures of half the size.
+
+    (h, w, 6) float32, in px of the pictures given; zero on pictures too small for a pyramid.
+    """
+    before, after = (halved(to_8bit(picture)) for picture in (first, second))
+    models = np.zeros((*before.shape, 6), np.float32)
+    if min(before.shape) >= least_side(0):
+        models[:, :, ::3] = 2 * _searched(before, after, quick)
     return models
 
 
 def _searched(first: np.ndarray, second: np.ndarray, quick: bool) -> np.ndarray:
-    found = search(first, second, finest=_FINEST, quick=quick)
-    shift = common_shift(first, second)
+    found = search(first, second, finest=0, quick=quick)
+    shift = common_shift(first, second, large=LARGE / 2)
     if shift is None:
         return found
-    other = search(first, _moved(second, shift), finest=_FINEST, quick=quick) + shift
-    return better_of(first, second, other, found)
+    other = search(first, _moved(second, shift), finest=0, quick=quick) + shift
+    return better_of(first, second, other, found, box=7)
 
 
 def _moved(picture: np.ndarray, shift: np.ndarray) -> np.ndarray:

@@ -13,6 +13,7 @@ import taichi as ti
 Channels = ti.types.ndarray(ti.f32, ndim=3)
 Table = ti.types.ndarray(ti.f32, ndim=2)
 Levels = ti.types.ndarray(ti.i32, ndim=2)
+Flags = ti.types.ndarray(ti.u8, ndim=2)
 
 
 @ti.func
@@ -218,6 +219,16 @@ def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
         model = blended(at_nodes, stride, row, column, step)
         for k in ti.static(range(6)):
             models[row, column, k] = model[k]
+
+
+@ti.kernel
+def add_spread(at_nodes: Channels, stride: ti.i32, where: Flags, models: Channels):
+    """Add every pixel's model from those told at nodes, where that is wanted."""
+    for row, column in ti.ndrange(models.shape[0], models.shape[1]):
+        if where[row, column] > 0:
+            model = blended(at_nodes, stride, row, column, 1)
+            for k in ti.static(range(6)):
+                models[row, column, k] += model[k]
 
 
 @ti.kernel

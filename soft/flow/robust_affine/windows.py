@@ -137,6 +137,12 @@ class Fit:
         """Those of places `step` px apart: (h, w, 6) float32, blended between nodes."""
         return spread(self.at_nodes, self.window.stride, shape, step)
 
+    def add_to(self, models: np.ndarray, where: np.ndarray) -> None:
+        """Add those of every pixel to `models` (H, W, 6) where that is true, (H, W) bool."""
+        from soft.flow.robust_affine import window_kernels as kernels
+
+        kernels.add_spread(self.at_nodes, self.window.stride, where.view(np.uint8), models)
+
     def variance(self, noise: float) -> np.ndarray:
         """Variance by noise of u and v, fitted twice, at every node, px^2: (lines, nodes, 2) float32.
 
