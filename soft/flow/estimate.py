@@ -75,7 +75,7 @@ def estimate_flow(
             f"device {device!r}: method {estimator.name!r} runs on {', '.join(estimator.devices)}"
         )
     settings = estimator.options(options)
-    check = _check(estimator, forward_backward)
+    check = _check(estimator, forward_backward, settings)
     require_flag("uncertainty", uncertainty)
     first, second = _checked_pictures(first, second, estimator)
     usable = _checked_mask(mask, first.shape)
@@ -106,13 +106,13 @@ def resolve_options(method: str | Callable, options: Mapping[str, object]) -> di
     """
     estimator, own = find_estimator(method), dict(options)
     wish, uncertainty = own.pop("forward_backward", None), own.pop("uncertainty", True)
-    check = _check(estimator, wish)  # type: ignore[arg-type]
+    settings = estimator.options(own)
+    check = _check(estimator, wish, settings)  # type: ignore[arg-type]
     require_flag("uncertainty", uncertainty)
     told: bool | float = check is not None
     if check is not None and check.tolerance is not None:
         told = check.tolerance
-    resolved = estimator.resolved(estimator.options(own))
-    return resolved | {"forward_backward": told, "uncertainty": uncertainty}
+    return estimator.resolved(settings) | {"forward_backward": told, "uncertainty": uncertainty}
 
 
 def has_texture(picture: np.ndarray) -> np.ndarray:
@@ -137,13 +137,16 @@ def lands_on(region: np.ndarray, displacement: np.ndarray) -> np.ndarray:
     """Tell where a displacement (H, W, 2) px ends beside a pixel of `region` (H, W) bool; False for NaN."""
     import cv2
 
+    if region.all():
+        return known(displacement)
     x, y = landing(displacement)
     share = cv2.remap(region.astype(np.float32), x, y, cv2.INTER_LINEAR, borderMode=cv2.BORDER_REPLICATE)
     return (share > 0) & known(displacement)
 
 
-def _check(estimator: Estimator, wish: bool | float | None) -> Check | None:
-    check = Check.of(estimator.forward_backward if wish is None else wish)
+def _check(estimator: Estimator, wish: bool | float | None, settings: object) -> Check | None:
+    own = estimator.forward_backward
+    check = Check.of((own(settings) if callable(own) else own) if wish is None else wish)
     if check is not None and not estimator.reversible:
         raise FlowError(f"forward_backward: {wish!r}: method {estimator.name!r} knows one direction only")
     return check

@@ -60,8 +60,9 @@ class Estimator:
         True if pixels outside the mask do not disturb those inside.
     start : callable, optional
         Called with device and threads (None: every core) before `solve`.
-    forward_backward : bool or float
-        Whether motion there and back is compared unless a user says otherwise; a number: to so many px.
+    forward_backward : bool, float or callable
+        Whether motion there and back is compared unless a user says otherwise; a number: to so many px; a
+        function: of the options.
     gridded : bool
         True if it tells of nodes of a grid, and in its field where they are.
     reversible : bool
@@ -84,7 +85,7 @@ class Estimator:
     own_texture: bool = False
     keeps_to_mask: bool = False
     start: Callable[[str, int | None], object] | None = None
-    forward_backward: bool | float = True
+    forward_backward: bool | float | Callable[[Any], bool | float] = True
     gridded: bool = False
     reversible: bool = True
     backward: BackwardSolver | None = None

@@ -28,7 +28,7 @@ from soft.flow.robust_affine.rim import BLURRED, DOUBTFUL, MARGIN, carried_outwa
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, fit_rest, repeated, spread
-from soft.flow.way_back import MISSES, quick_way_back, way_back
+from soft.flow.way_back import MISSES, QUICK_MISSES, quick_way_back, way_back
 from soft.masks import grown
 
 PRESETS = ("accurate", "fast")
@@ -40,7 +40,7 @@ _STEADY = 0.05
 """Px, as the median of their standard deviations."""
 _WIDE, _NARROW = 3.0, 2.0
 """Widths of the Lorentzian, first and then, in standard deviations of the pictures' noise."""
-_FEW_WINDOWS = (Window(4.0, 4), Window(8.0, 8), Window(24.0, 24))
+_FEW_WINDOWS = (Window(2.5, 4), Window(6.0, 4), Window(20.0, 20))
 _WINDOWS = (Window(2.5, 2), Window(4.0, 2), Window(7.0, 4), Window(12.0, 4), Window(20.0, 8))
 _CURVE = Window(4.0, 2)
 """In which, where motion is curved, what is left is fitted once more."""
@@ -99,10 +99,18 @@ def _solve(
     if options.edges:
         models = _mended(pair, models, chosen)
     models = carried_outwards(models, pair.usable > 0, mask)
-    sigma = standard_deviation(chosen, models[::_THIN, ::_THIN], options.preset)
-    sigma = widen_at_rim(repeated(sigma, _THIN, pair.shape), mask)
-    displacement, gradient = models[:, :, ::3], models.reshape(*pair.shape, 2, 3)[:, :, :, 1:]
-    return FlowField(displacement, mask, sigma, gradient)
+    step = chosen.step
+    sigma = standard_deviation(chosen, models[::step, ::step], options.preset)
+    sigma = widen_at_rim(repeated(sigma, step, pair.shape), mask)
+    return _told(models, mask, sigma)
+
+
+def _told(models: np.ndarray, mask: np.ndarray, sigma: np.ndarray) -> FlowField:
+    import cv2
+
+    displacement, gradient = (np.empty((*mask.shape, channels), np.float32) for channels in (2, 4))
+    cv2.mixChannels([models], [displacement, gradient], [0, 0, 3, 1, 1, 2, 2, 3, 4, 4, 5, 5])
+    return FlowField(displacement, mask, sigma, gradient.reshape(*mask.shape, 2, 2), copy=False)
 
 
 def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:
@@ -124,8 +132,11 @@ def _chosen(
     products = Products.of(constraints, noise, _NARROW)
     if products.step < _THIN:
         products, models = products.gathered(), models[::_THIN, ::_THIN]
+    stride = windows[0].stride // products.step
     inflated = noise * float(np.sqrt(_SLOPE_NOISE * constraints.slope_noise(pair.first)))
-    return choose(products, windows, models, noise=inflated, confidence=options.confidence)
+    return choose(
+        products, windows, models, stride=stride, noise=inflated, confidence=options.confidence
+    )
 
 
 def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray:
@@ -146,6 +157,10 @@ def _backward(
     return find(first, second, forward, options)
 
 
+def _misses(options: RobustAffineOptions) -> float:
+    return QUICK_MISSES if options.preset == "fast" else MISSES
+
+
 def _resolved(options: RobustAffineOptions) -> dict[str, object]:
     return asdict(options.resolved)
 
@@ -159,6 +174,6 @@ ESTIMATOR = Estimator(
     devices=DEVICES,
     keeps_to_mask=True,
     start=start_taichi,
-    forward_backward=MISSES,
+    forward_backward=_misses,
     backward=_backward,
 )

@@ -280,7 +280,13 @@ class Chosen:
 
 
 def choose(
-    products: Products, windows: tuple[Window, ...], held: np.ndarray, *, noise: float, confidence: float
+    products: Products,
+    windows: tuple[Window, ...],
+    held: np.ndarray,
+    *,
+    stride: int,
+    noise: float,
+    confidence: float,
 ) -> Chosen:
     """Fit in windows of every size and let each place take the largest it can bear.
 
@@ -290,6 +296,8 @@ def choose(
         From small to large.
     held : (h, w, 6) float32
         See `fit`.
+    stride : int
+        Every so many of the products' places chooses.
     noise : float
         Of an equation, grey levels; see `Fit.variance`.
     confidence : float
@@ -297,10 +305,11 @@ def choose(
     """
     from soft.flow.robust_affine import window_kernels as kernels
 
-    shape, step = held.shape[:2], products.step
+    models, step = held[::stride, ::stride].copy(), stride * products.step
+    shape = models.shape[:2]
     pairs = (*shape, 2)
     intervals = np.tile(np.array([-np.inf, np.inf], np.float32), pairs)
-    models, variance, level_of = held.copy(), np.zeros(pairs, np.float32), np.full(shape, -1, np.int32)
+    variance, level_of = np.zeros(pairs, np.float32), np.full(shape, -1, np.int32)
     excess, smallest, motions = (np.zeros(pairs, np.float32) for _ in range(3))
     smallest_variance, jump = variance, np.zeros(shape, np.float32)
     for level, window in enumerate(windows):
