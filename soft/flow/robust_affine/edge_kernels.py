@@ -18,7 +18,7 @@ Table = ti.types.ndarray(ti.f32, ndim=2)
 
 @ti.kernel
 def tell_costs(places: Places, constraint: Channels, width: ti.f32, cost: Picture):
-    """Lorentzian of the residual in grey levels / `width` at some places; out of sight, as in `try_neighbours`."""
+    """What some places cost as they are: see `try_neighbours`."""
     for place in range(places.shape[0]):
         row, column = places[place, 0], places[place, 1]
         z = constraint[row, column, 4] / width

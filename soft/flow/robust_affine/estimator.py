@@ -134,9 +134,7 @@ def _chosen(
         products, models = products.gathered(), models[::_THIN, ::_THIN]
     stride = windows[0].stride // products.step
     inflated = noise * float(np.sqrt(_SLOPE_NOISE * constraints.slope_noise(pair.first)))
-    return choose(
-        products, windows, models, stride=stride, noise=inflated, confidence=options.confidence
-    )
+    return choose(products, windows, models, stride=stride, noise=inflated, confidence=options.confidence)
 
 
 def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray:
