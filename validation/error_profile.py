@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.metrics import end_point_error
-from validation.strata import distance_to, find_strata
+from validation.strata import COMPLEX_WITHIN, distance_to, find_strata
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -38,12 +38,15 @@ class Explanation:
     of : callable
         Its value at every pixel of a pair's truth, (H, W), NaN where it has none; the second argument is the
         camera's motion, px.
+    classes : tuple of str
+        Names of its bins, where these are classes and not a quantity's ranges.
     """
 
     unit: str
     meaning: str
     edges: tuple[float, ...]
     of: Callable[["xr.Dataset", float], np.ndarray]
+    classes: tuple[str, ...] = ()
 
 
 def _variable(name: str) -> Callable[["xr.Dataset", float], np.ndarray]:
@@ -62,6 +65,37 @@ def _speed(truth: "xr.Dataset", camera_u: float) -> np.ndarray:
 def _distance_to_lost(truth: "xr.Dataset", _: float) -> np.ndarray:
     """Distance to soil that the second picture shows no more: covered, gone or out of the picture."""
     return distance_to(truth["soil"].values & ~truth["valid"].values)
+
+
+CAUSES = (
+    "at soil that is lost",
+    "at the implement",
+    "at a discontinuity",
+    "sheared",
+    "turning",
+    "beside these",
+    "moving, not complex",
+    "quiet",
+)
+"""Every pixel has one, the first that applies; all but the last two are of the stratum `complex`."""
+_STEEP = 0.1
+"""1/frame; shear strain, or rad/frame; rotation, from which soil is sheared or turning."""
+
+
+def _cause(truth: "xr.Dataset", _: float) -> np.ndarray:
+    """Index into CAUSES."""
+    masks = find_strata(truth).masks
+    complicated = masks["complex"]
+    within = (
+        _distance_to_lost(truth, 0.0) <= COMPLEX_WITHIN,
+        truth["distance_to_implement"].values <= COMPLEX_WITHIN,
+        truth["distance_to_discontinuity"].values <= COMPLEX_WITHIN,
+        truth["strain_rate"].values >= _STEEP,
+        np.abs(truth["rotation"].values) >= _STEEP,
+        np.ones(complicated.shape, bool),
+    )
+    conditions = [*(complicated & one for one in within), masks["moving"], masks["quiet"]]
+    return np.select(conditions, list(range(len(CAUSES))), default=np.nan)
 
 
 EXPLANATIONS = {
@@ -95,7 +129,10 @@ EXPLANATIONS = {
     "distance_to_lost": Explanation(
         "px", "distance to soil that the second picture has lost", _DISTANCES, _distance_to_lost
     ),
+    "cause": Explanation("", "cause", (*(float(k) for k in range(len(CAUSES))), np.inf), _cause, CAUSES),
 }
+RANGES = {name: one for name, one in EXPLANATIONS.items() if not one.classes}
+"""Those that are quantities."""
 
 
 def error_profile(truth: "xr.Dataset", flow: "xr.Dataset") -> "xr.Dataset":

@@ -4,7 +4,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.error_profile import ERROR_EDGES, EXPLANATIONS, MOMENTS, error_profile, percentile
+from validation.error_profile import (
+    CAUSES,
+    ERROR_EDGES,
+    EXPLANATIONS,
+    MOMENTS,
+    error_profile,
+    percentile,
+)
+from validation.strata import find_strata
 
 SHAPE = (40, 60)
 
@@ -88,3 +96,21 @@ def test_percentile_of_known_errors():
 def test_edges_rise():
     for name, explanation in EXPLANATIONS.items():
         assert (np.diff(explanation.edges) > 0).all() and np.isinf(explanation.edges[-1]), name
+
+
+def test_every_cause_is_in_the_stratum_it_is_of(truth):
+    u = truth["u"].values.copy()
+    u[:, 40:] = 0.0  # a step at the 40th column
+    distance = np.abs(np.arange(SHAPE[1], dtype=np.float32) - 39.5)
+    split = truth.assign(
+        u=(truth["u"].dims, u),
+        distance_to_discontinuity=(truth["u"].dims, np.broadcast_to(distance, SHAPE)),
+        strain_rate=(truth["u"].dims, np.zeros(SHAPE, np.float32)),
+    )
+    found = error_profile(split, flow(2.0))["count_cause"].sum("error_bin").values
+    told = dict(zip(CAUSES, found.tolist(), strict=True))
+    masks = find_strata(split).masks
+    assert told["at the implement"] == 4 * SHAPE[0]  # 0 to 3 px
+    assert told["at a discontinuity"] == 6 * SHAPE[0]
+    assert told["quiet"] == masks["quiet"].sum()
+    assert sum(found[:6]) == masks["complex"].sum() and found.sum() == masks["all"].sum()

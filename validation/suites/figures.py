@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.figures.page import plain_axes
-from validation.error_profile import EXPLANATIONS, MOMENTS, percentile
+from validation.error_profile import MOMENTS, RANGES, percentile
 from validation.metrics import WRONG_ABOVE
 from validation.modulation import response
 
@@ -102,7 +102,7 @@ def draw_profiles(profiles: "Mapping[str, xr.Dataset]", quantity: str) -> "Figur
 
     figure = Figure(figsize=(13, 6.4), layout="constrained")
     grid = figure.subplots(2, 4).ravel()
-    for axes, (name, explanation) in zip(grid, EXPLANATIONS.items(), strict=False):
+    for axes, (name, explanation) in zip(grid, RANGES.items(), strict=False):
         plain_axes(axes)
         places = np.arange(len(explanation.edges) - 1)
         labels = [_bin_label(explanation.edges, k) for k in range(len(explanation.edges) - 1)]
@@ -127,7 +127,7 @@ def draw_profiles(profiles: "Mapping[str, xr.Dataset]", quantity: str) -> "Figur
             axes.set_ylim(0)
     for axes in grid[::4]:
         axes.set_ylabel(_LABELS[quantity])
-    legend = grid[len(EXPLANATIONS)]
+    legend = grid[len(RANGES)]
     legend.axis("off")
     handles, labels = grid[0].get_legend_handles_labels()
     legend.legend(handles, labels, loc="center", frameon=False)
