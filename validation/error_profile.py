@@ -228,3 +228,14 @@ def percentile(histogram: np.ndarray, share: float) -> np.ndarray:
         low = np.where(low > 0, low, high / 2)
         value = np.where(np.isinf(high), low, low * (high / low) ** part)
     return np.where(total > 0, value, np.nan)[..., 0]
+
+
+def share_above(histogram: np.ndarray, bound: float) -> np.ndarray:
+    """Share of the pixels whose error is above a bound, from histograms over ERROR_EDGES: (..., E) to (...).
+
+    The bin that holds the bound is shared out as if its errors were spread evenly; NaN for an empty histogram.
+    """
+    inside = np.clip((bound - ERROR_EDGES[:-1]) / np.diff(ERROR_EDGES), 0, 1)
+    total = histogram.sum(axis=-1)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        return np.where(total > 0, 1 - (histogram * inside).sum(axis=-1) / total, np.nan)

@@ -71,17 +71,30 @@ def block_bootstrap(realisations: Realisations, *, block_length: int, seed: int 
     StatisticsError
         There is no number, or the block length is none.
     """
+    return _bootstrap(realisations, block_length, seed)[0]
+
+
+def _bootstrap(realisations: Realisations, block_length: int, seed: int) -> tuple[Interval, float]:
+    """Interval of the mean, and the probability of one as far from zero if its expectation were zero."""
     kept = _known(realisations)
     if block_length < 1:
         raise StatisticsError(f"block_length: {block_length}: 1 at least")
     if not kept:
         raise StatisticsError("no picture pair has such a number")
+    value = _centre(kept)
+    counts = len(kept), sum(len(one) for one in kept)
+    if _is_one_block(kept, block_length):
+        return Interval(value, np.nan, np.nan, *counts), 1.0
     means = _resampled_means(kept, block_length, np.random.default_rng(seed))
     low, high = np.quantile(means, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
-    if _is_one_block(kept, block_length):
-        low = high = np.nan
-    value = float(np.mean([one.mean() for one in kept]))
-    return Interval(value, float(low), float(high), len(kept), sum(len(one) for one in kept))
+    return Interval(value, float(low), float(high), *counts), _probability(means - value, value)
+
+
+def _probability(deviations: np.ndarray, value: float) -> float:
+    """Two-sided: how often a mean whose expectation is shifted to zero is as far from it as the one found."""
+    if value == 0:
+        return 1.0
+    return float((np.count_nonzero(np.abs(deviations) >= abs(value)) + 1) / (len(deviations) + 1))
 
 
 def paired_difference(
@@ -111,8 +124,65 @@ def paired_difference(
     if [np.shape(one) for one in first] != [np.shape(one) for one in second]:
         raise StatisticsError("the two were not measured on the same pictures")
     differences = [np.subtract(a, b) for a, b in zip(first, second, strict=True)]
-    interval = block_bootstrap(differences, block_length=block_length, seed=seed)
-    return interval, _p_value(differences, block_length, seed)
+    return _bootstrap(differences, block_length, seed)
+
+
+def stratified_bootstrap(
+    scenes: Sequence[Realisations], *, block_length: int, seed: int = 0
+) -> tuple[Interval, float]:
+    """Mean over scenes, each counted alike, with its interval: scenes are given, realisations are drawn.
+
+    Within every scene, realisations and blocks of their frames are drawn as `block_bootstrap` does. What few
+    realisations lack is made up for once, by Student's t with the degrees of freedom of the mean's variance
+    (Satterthwaite 1946), since many scenes of two realisations know more of it than one such scene.
+
+    Parameters
+    ----------
+    scenes : sequence of sequences of (N_r,) arrays
+        For each scene, what `block_bootstrap` takes. A scene of one realisation is taken to vary as the
+        others do.
+
+    Returns
+    -------
+    Interval
+    float
+        Two-sided probability of so large a mean if its expectation were zero; 1 where nothing is known.
+
+    Raises
+    ------
+    StatisticsError
+        There is no number.
+    """
+    kept = [known for known in map(_known, scenes) if known]
+    if not kept:
+        raise StatisticsError("no picture pair has such a number")
+    value = float(np.mean([_centre(one) for one in kept]))
+    deviations = _stratified_deviations(kept, block_length, np.random.default_rng(seed))
+    counts = len([r for one in kept for r in one]), sum(len(r) for one in kept for r in one)
+    if deviations is None:
+        return Interval(value, np.nan, np.nan, *counts), 1.0
+    low, high = value + np.quantile(deviations, [(1 - LEVEL) / 2, (1 + LEVEL) / 2])
+    return Interval(value, float(low), float(high), *counts), _probability(deviations, value)
+
+
+def _stratified_deviations(
+    scenes: list[list[np.ndarray]], block_length: int, generator: np.random.Generator
+) -> np.ndarray | None:
+    """Deviations of resampled means over scenes: (RESAMPLES,); None if no scene has two realisations."""
+    several = [one for one in scenes if len(one) > 1]
+    if not several:
+        return None
+    drawn = [
+        (_drawn_means(one, block_length, generator) - _centre(one)) * np.sqrt(len(one) / (len(one) - 1))
+        for one in several
+    ]
+    variances = np.array([one.var() for one in drawn])
+    degrees = np.array([len(one) - 1 for one in several])
+    total = variances.sum()
+    freedom = total**2 / np.sum(variances**2 / degrees) if total > 0 else degrees.sum()
+    # Scenes of one realisation add as much to the variance as the others do on average.
+    unknown = np.sqrt(len(scenes) / len(several))
+    return np.sum(drawn, axis=0) / len(scenes) * unknown * _t_over_normal(freedom)
 
 
 def holm(probabilities: Sequence[float]) -> list[float]:
@@ -130,17 +200,6 @@ def holm(probabilities: Sequence[float]) -> list[float]:
     return [float(p) for p in corrected]
 
 
-def _p_value(differences: Realisations, block_length: int, seed: int) -> float:
-    """Two-sided: how often a mean whose expectation is shifted to zero is as far from it as the one found."""
-    kept = _known(differences)
-    value = np.mean([one.mean() for one in kept])
-    if value == 0 or _is_one_block(kept, block_length):
-        return 1.0
-    means = _resampled_means(kept, block_length, np.random.default_rng(seed))
-    as_far = np.count_nonzero(np.abs(means - value) >= abs(value))
-    return (as_far + 1) / (len(means) + 1)
-
-
 def _is_one_block(realisations: list[np.ndarray], block_length: int) -> bool:
     """Whether nothing is known of how much the numbers vary from block to block."""
     return len(realisations) == 1 and len(realisations[0]) <= block_length
@@ -154,24 +213,40 @@ def _known(realisations: Realisations) -> list[np.ndarray]:
 def _resampled_means(
     realisations: list[np.ndarray], block_length: int, generator: np.random.Generator
 ) -> np.ndarray:
+    """Mean of each resample, deviations widened for there being few realisations: (RESAMPLES,)."""
+    centre = _centre(realisations)
+    deviations = _drawn_means(realisations, block_length, generator) - centre
+    return np.asarray(centre + deviations * _widening(len(realisations)))
+
+
+def _drawn_means(
+    realisations: list[np.ndarray], block_length: int, generator: np.random.Generator
+) -> np.ndarray:
     """Mean of each resample: (RESAMPLES,)."""
     count = len(realisations)
     # What the mean of a realisation would be, had its blocks come otherwise: (realisation, resample).
     within = np.stack([_block_means(one, block_length, generator) for one in realisations])
     drawn = generator.integers(0, count, (RESAMPLES, count))
-    deviations = within[drawn, np.arange(RESAMPLES)[:, np.newaxis]].mean(axis=1)
-    centre = np.mean([one.mean() for one in realisations])
-    return centre + (deviations - centre) * _widening(count)
+    return np.asarray(within[drawn, np.arange(RESAMPLES)[:, np.newaxis]].mean(axis=1))
+
+
+def _centre(realisations: list[np.ndarray]) -> float:
+    return float(np.mean([one.mean() for one in realisations]))
 
 
 def _widening(count: int) -> float:
     """What a bootstrap over few realisations lacks: n - 1 for n, and Student's t for the normal law."""
-    from scipy.stats import norm, t
-
     if count < 2:
         return 1.0
+    return float(np.sqrt(count / (count - 1)) * _t_over_normal(count - 1))
+
+
+def _t_over_normal(degrees: float) -> float:
+    """How much wider Student's t of so many degrees of freedom is than the normal law."""
+    from scipy.stats import norm, t
+
     tail = (1 + LEVEL) / 2
-    return float(np.sqrt(count / (count - 1)) * t.ppf(tail, count - 1) / norm.ppf(tail))
+    return float(t.ppf(tail, degrees) / norm.ppf(tail))
 
 
 def _block_means(values: np.ndarray, block_length: int, generator: np.random.Generator) -> np.ndarray:

@@ -3,7 +3,13 @@
 import numpy as np
 import pytest
 
-from validation.statistics import StatisticsError, block_bootstrap, holm, paired_difference
+from validation.statistics import (
+    StatisticsError,
+    block_bootstrap,
+    holm,
+    paired_difference,
+    stratified_bootstrap,
+)
 
 
 def experiment(random, realisations=8, pairs=40, memory=0.6):
@@ -91,3 +97,36 @@ def test_no_difference_at_all():
 def test_same_numbers_same_interval():
     errors = experiment(np.random.default_rng(1))
     assert block_bootstrap(errors, block_length=4) == block_bootstrap(errors, block_length=4)
+
+
+def scenes_of_two(random, count=8):
+    """Two simulations of each of several scenes, which differ far more than simulations of one do."""
+    levels = np.linspace(1.0, 3.0, count)
+    return [[np.array([level * (1 + random.normal(0, 0.05))]) for _ in range(2)] for level in levels]
+
+
+def test_interval_over_given_scenes_covers_the_truth():
+    covered, widths = 0, []
+    for seed in range(200):
+        interval, _ = stratified_bootstrap(scenes_of_two(np.random.default_rng(seed)), block_length=1)
+        covered += interval.low <= 2.0 <= interval.high
+        widths.append(interval.high - interval.low)
+    assert 0.91 <= covered / 200 <= 0.985
+    assert np.median(widths) < 0.3  # scenes are given: how they differ is no part of it
+
+
+def test_scenes_told_apart_from_zero_only_where_they_are():
+    false = 0
+    for seed in range(200):
+        random = np.random.default_rng(seed)
+        differences = [[random.normal(0, 0.1, 1) for _ in range(2)] for _ in range(8)]
+        false += stratified_bootstrap(differences, block_length=1)[1] < 0.05
+        assert stratified_bootstrap([[d + 0.5 for d in one] for one in differences], block_length=1)[1] < 0.01
+    assert 2 <= false <= 18
+
+
+def test_scenes_of_one_realisation_have_no_interval():
+    interval, p = stratified_bootstrap([[np.array([1.0, 2.0])], [np.array([2.0])]], block_length=4)
+    assert interval.value == 1.75 and np.isnan(interval.low) and p == 1
+    with pytest.raises(StatisticsError, match="no picture pair"):
+        stratified_bootstrap([[np.array([np.nan])]], block_length=1)

@@ -8,6 +8,7 @@ import traceback
 from collections.abc import Callable, Iterator
 from concurrent.futures import Future, ProcessPoolExecutor, as_completed
 from dataclasses import dataclass
+from functools import cache
 from itertools import groupby
 from multiprocessing import get_context, parent_process
 from pathlib import Path
@@ -278,7 +279,12 @@ def is_measured(out: Path, look: Look) -> bool:
 
 
 def _key(look: Look) -> str:
-    return look.key({name: package_version(name) for name in _MADE_BY})
+    return look.key(_made_by())
+
+
+@cache
+def _made_by() -> dict[str, str]:
+    return {name: package_version(name) for name in _MADE_BY}
 
 
 def _in_one_line(error: BaseException) -> str:

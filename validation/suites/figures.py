@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.figures.page import plain_axes
-from validation.error_profile import MOMENTS, RANGES, percentile
+from validation.error_profile import MOMENTS, RANGES, percentile, share_above
 from validation.metrics import WRONG_ABOVE
 from validation.modulation import response
 
@@ -148,15 +148,12 @@ def _median(profile: "xr.Dataset", name: str) -> np.ndarray:
 
 
 def _wrong(profile: "xr.Dataset", name: str) -> np.ndarray:
-    from validation.error_profile import ERROR_EDGES
-
     counts, unmeasured = profile[f"count_{name}"].values, profile[f"unmeasured_{name}"].values
-    total = counts.sum(axis=1) + unmeasured
-    # The bin that holds the bound is shared out as if its errors were spread evenly.
-    inside = np.clip((_WRONG - ERROR_EDGES[:-1]) / np.diff(ERROR_EDGES), 0, 1)
-    right = (counts * inside).sum(axis=1)
+    measured = counts.sum(axis=1)
+    total = measured + unmeasured
+    wrong = unmeasured + measured * np.nan_to_num(share_above(counts, _WRONG))
     with np.errstate(invalid="ignore", divide="ignore"):
-        return np.where(total >= _FEWEST, 100 * (1 - right / total), np.nan)
+        return np.where(total >= _FEWEST, 100 * wrong / total, np.nan)
 
 
 def _bias(profile: "xr.Dataset", name: str) -> np.ndarray:

@@ -1,11 +1,11 @@
-"""The leaderboard: each method over all scenes of a suite, in the strata that matter."""
+"""The leaderboard: each method over all scenes of a suite at one severity, in the strata that matter."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from validation.statistics import Interval, StatisticsError, block_bootstrap
+from validation.statistics import Interval, StatisticsError, stratified_bootstrap
 from validation.suites.headline import BLOCK, GROUP, Comparison, grouped
 from validation.suites.table import Line
 
@@ -20,77 +20,131 @@ class Standing:
     Attributes
     ----------
     method : str
-    median : Interval
-        Median error over all soil, px: mean over scenes.
+    median : dict
+        For each of STRATA the median error, px, mean over scenes; an Interval.
     wrong : dict
-        For each of STRATA the share of wrong pixels, mean over scenes; an Interval.
+        The same of the share of wrong pixels.
     better, worse : int
         Other methods and scenes that it is told to be better or worse than in complex flow.
     seconds : float
-        A picture pair, on one thread.
+        Processor time of a picture pair.
     scene_count : int
         Scenes that it has seen.
     """
 
     method: str
-    median: Interval
+    median: dict[str, Interval]
     wrong: dict[str, Interval]
     better: int
     worse: int
     seconds: float
     scene_count: int
 
+    @property
+    def decisive(self) -> Interval:
+        """What methods are placed by: wrong pixels in complex flow; of all soil where no flow is complex."""
+        return self.wrong.get("complex", self.wrong["all"])
+
+
+def usual(lines: Iterable[Line], severity: str) -> list[Line]:
+    """Lines of scenes as they usually are seen: no label, frame after frame."""
+    return [line for line in lines if line["severity"] == severity and is_usual(line)]
+
+
+def is_usual(line: Line) -> bool:
+    """Whether a scene is seen as it is: what `Realisation.is_usual` tells."""
+    return not line["label"] and line["stride"] == 1
+
 
 def standings(lines: Sequence[Line], comparisons: Sequence[Comparison]) -> list[Standing]:
-    """Methods by their share of wrong pixels in complex flow, the least first; of all soil without any."""
-    found = [_standing(method, own, comparisons) for (method,), own in grouped(lines, ("method",)).items()]
-    return sorted(found, key=_order)
+    """Methods by their share of wrong pixels in complex flow, the least first.
 
-
-def _order(standing: Standing) -> tuple[float, float]:
-    shares = [standing.wrong[stratum].value for stratum in ("complex", "all") if stratum in standing.wrong]
-    return -standing.scene_count, shares[0] if shares else np.inf
+    Parameters
+    ----------
+    lines : sequence of dict
+        Of one severity, see `usual`. Methods that saw fewer scenes than others come last.
+    comparisons : sequence of Comparison
+        Those of other scenes or severities are not counted.
+    """
+    groups = set(grouped(lines, GROUP))
+    own = [one for one in comparisons if (one.scene, one.label, one.severity, one.stride) in groups]
+    found = [_standing(method, part, own) for (method,), part in grouped(lines, ("method",)).items()]
+    return sorted(found, key=lambda one: (-one.scene_count, one.decisive.value))
 
 
 def _standing(method: str, lines: Sequence[Line], comparisons: Sequence[Comparison]) -> Standing:
-    wrong = {}
-    for stratum in STRATA:
-        try:
-            wrong[stratum] = _over_scenes(lines, stratum, WRONG)
-        except StatisticsError:  # no scene has it
-            continue
     hard = [one for one in comparisons if one.stratum == "complex" and method in (one.first, one.second)]
     return Standing(
         method,
-        _over_scenes(lines, "all", "median"),
-        wrong,
+        _in_strata(lines, "median"),
+        _in_strata(lines, WRONG),
         better=sum(one.better == method for one in hard),
         worse=sum(one.better not in (None, method) for one in hard),
-        seconds=float(np.mean([line["seconds"] for line in lines])),
+        # The first pair a process looks at includes what it compiles.
+        seconds=float(np.median([line["seconds"] for line in lines])),
         scene_count=len(grouped(lines, GROUP)),
     )
 
 
-def _over_scenes(lines: Sequence[Line], stratum: str, quantity: str) -> Interval:
-    """Mean over scenes; scenes are given, so that only realisations and frames are drawn anew.
+def _in_strata(lines: Sequence[Line], quantity: str) -> dict[str, Interval]:
+    found = {}
+    for stratum in STRATA:
+        try:
+            found[stratum] = over_scenes(lines, stratum, quantity)
+        except StatisticsError:  # no scene has it
+            continue
+    return found
 
-    A scene's realisation is told by its seeds; realisations of the same seeds in several scenes are averaged
-    first, pair by pair where all have it, so that each scene counts alike.
+
+def over_scenes(lines: Iterable[Line], stratum: str, quantity: str) -> Interval:
+    """Mean over scenes, each counted alike. Scenes are given; what is drawn anew is their simulations.
+
+    Raises
+    ------
+    StatisticsError
+        No line has such a number.
     """
     own = [line for line in lines if line["stratum"] == stratum]
-    by_scene = grouped(own, GROUP)
-    tables = [
-        {(line["seed"], line["picture_seed"], line["pair"]): line[quantity] for line in part}
-        for part in by_scene.values()
+    return stratified_bootstrap(_simulations(own, quantity), block_length=BLOCK)[0]
+
+
+def difference_over_scenes(
+    first: Iterable[Line], second: Iterable[Line], quantity: str, *, within: Sequence[str] = GROUP
+) -> tuple[Interval, float]:
+    """How much two sets of lines differ on the same pictures: mean over scenes, and its probability.
+
+    Parameters
+    ----------
+    first, second : iterable of dict
+        Lines of one stratum.
+    quantity : str
+        A column.
+    within : sequence of str
+        Columns that tell scenes apart; those in which the two sets differ are left out.
+
+    Raises
+    ------
+    StatisticsError
+        They have no picture in common.
+    """
+    known = {_picture(line, within): line[quantity] for line in second}
+    differences = [
+        {**line, "difference": line[quantity] - known[_picture(line, within)]}
+        for line in first
+        if _picture(line, within) in known
     ]
-    tables = [table for table in tables if np.isfinite(list(table.values())).any()]
-    pictures = sorted({key for table in tables for key in table})
-    means = {key: _mean([table[key] for table in tables if key in table]) for key in pictures}
-    realisations = grouped([{"of": key[:2], "value": value} for key, value in means.items()], ("of",))
-    arrays = [np.array([one["value"] for one in part]) for part in realisations.values()]
-    return block_bootstrap(arrays, block_length=BLOCK)
+    return stratified_bootstrap(_simulations(differences, "difference", within), block_length=BLOCK)
 
 
-def _mean(values: list[float]) -> float:
-    known = [value for value in values if np.isfinite(value)]
-    return float(np.mean(known)) if known else float("nan")
+def _picture(line: Line, within: Sequence[str]) -> tuple:
+    return *(line[name] for name in within), line["seed"], line["picture_seed"], line["pair"]
+
+
+def _simulations(
+    lines: Iterable[Line], quantity: str, within: Sequence[str] = GROUP
+) -> list[list[np.ndarray]]:
+    """For each scene, the numbers of each of its simulations, all pictures of it together."""
+    return [
+        [np.array([line[quantity] for line in own], np.float64) for own in grouped(scene, ("seed",)).values()]
+        for scene in grouped(lines, within).values()
+    ]

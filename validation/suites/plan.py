@@ -108,6 +108,11 @@ class Realisation:
         return parse_scene(with_changes(tables, (*severity_changes(self.severity), *self.changes)))
 
     @property
+    def is_usual(self) -> bool:
+        """Whether the scene is seen as it is, frame after frame, at whatever severity."""
+        return not self.label and self.stride == 1
+
+    @property
     def frames(self) -> range:
         """Of the recording."""
         return range(self.first, self.first + self.pair_count * self.stride + 1, self.stride)

@@ -1,9 +1,9 @@
 """All measurements of a suite as one tidy table: a line for each picture pair, stratum and method."""
 
 import csv
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
@@ -38,21 +38,37 @@ UNITS = {
     "bias_v": "px",
     "seconds": "s",
 }
+_TEXTS = ("scene", "label", "soil", "severity", "scene_hash", "method", "stratum")
+_WHOLE = ("seed", "picture_seed", "stride", "quick", "pair")
 
 Line = dict[str, Any]
 
 
 def collect(suite: Suite, out: Path) -> list[Line]:
     """Lines of all measurements of a suite that are there; NaN where a stratum has no pixels."""
-    return [line for look in suite.looks if is_measured(out, look) for line in _lines(out, look)]
+    found: list[Line] = []
+    for look in suite.looks:
+        if is_measured(out, look):
+            with open_measurement(out, look) as measured:
+                found += lines_of(measured.load())
+    return found
 
 
-def _lines(out: Path, look: Look) -> Iterator[Line]:
-    with open_measurement(out, look) as measured:
-        measured.load()
-        for pair in range(measured.sizes["pair"]):
-            for stratum in measured["stratum"].values:
-                yield _line(measured, pair, str(stratum))
+def lines_of(measured: "xr.Dataset") -> list[Line]:
+    """Lines of one measurement: a line for each of its pairs and strata."""
+    labels = {name: _plain(measured.attrs[name]) for name in LABELS}
+    errors = {name: measured[name].values for name in ERRORS}
+    wrong = measured["wrong_share"]
+    errors |= {name: wrong.sel(bound=bound).values for bound, name in WRONG.items()}
+    seconds = measured["seconds"].values
+    return [
+        labels
+        | {"pair": pair, "stratum": str(stratum)}
+        | {name: float(values[pair, k]) for name, values in errors.items()}
+        | {"seconds": float(seconds[pair])}
+        for pair in range(measured.sizes["pair"])
+        for k, stratum in enumerate(measured["stratum"].values)
+    ]
 
 
 def open_measurement(out: Path, look: Look) -> "xr.Dataset":
@@ -62,15 +78,6 @@ def open_measurement(out: Path, look: Look) -> "xr.Dataset":
     return xr.open_dataset(measured_file(out, look), engine="h5netcdf")
 
 
-def _line(measured: "xr.Dataset", pair: int, stratum: str) -> Line:
-    here = measured.isel(pair=pair).sel(stratum=stratum)
-    line: Line = {name: _plain(measured.attrs[name]) for name in LABELS}
-    line |= {"pair": pair, "stratum": stratum}
-    line |= {name: float(here[name]) for name in ERRORS}
-    line |= {name: float(here["wrong_share"].sel(bound=bound)) for bound, name in WRONG.items()}
-    return line | {"seconds": float(here["seconds"])}
-
-
 def _plain(value: Any) -> Any:
     return value.item() if isinstance(value, np.generic) else value
 
@@ -78,9 +85,29 @@ def _plain(value: Any) -> Any:
 def write_csv(lines: Sequence[Line], path: Path) -> None:
     """One line each; units in the header, nothing where there is no number."""
     with path.open("w", newline="", encoding="utf-8") as file:
-        writer = csv.writer(file)
-        writer.writerow([f"{name} [{UNITS[name]}]" if name in UNITS else name for name in COLUMNS])
-        writer.writerows([_spelt(line[name]) for name in COLUMNS] for line in lines)
+        write_lines(lines, file)
+
+
+def write_lines(lines: Sequence[Line], file: TextIO) -> None:
+    """Write lines as CSV to an open file."""
+    writer = csv.writer(file)
+    writer.writerow([f"{name} [{UNITS[name]}]" if name in UNITS else name for name in COLUMNS])
+    writer.writerows([_spelt(line[name]) for name in COLUMNS] for line in lines)
+
+
+def read_lines(file: TextIO) -> list[Line]:
+    """Read lines that `write_lines` wrote."""
+    rows = csv.reader(file)
+    names = [name.partition(" [")[0] for name in next(rows)]
+    return [{name: _read(name, text) for name, text in zip(names, row, strict=True)} for row in rows]
+
+
+def _read(name: str, text: str) -> Any:
+    if name in _TEXTS:
+        return text
+    if name in _WHOLE:
+        return int(text)
+    return float(text) if text else np.nan
 
 
 def _spelt(value: Any) -> str:
