@@ -233,7 +233,7 @@ def percentile(histogram: np.ndarray, share: float) -> np.ndarray:
 def share_above(histogram: np.ndarray, bound: float) -> np.ndarray:
     """Share of the pixels whose error is above a bound, from histograms over ERROR_EDGES: (..., E) to (...).
 
-    The bin that holds the bound is shared out as if its errors were spread evenly; NaN for an empty histogram.
+    The bin that holds the bound is shared out as if its errors were spread evenly; NaN for an empty one.
     """
     inside = np.clip((bound - ERROR_EDGES[:-1]) / np.diff(ERROR_EDGES), 0, 1)
     total = histogram.sum(axis=-1)

@@ -14,8 +14,8 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-_COLOURS = ("#4c78a8", "#e45756", "#54a24b", "#b07d2b", "#7b5ea7", "#3a9c9c", "0.35")
-_MARKERS = "osD^vP*"
+_COLOURS = ("#4c78a8", "#e45756", "#54a24b", "#b07d2b", "#7b5ea7", "#3a9c9c", "0.35", "#d670a8")
+_MARKERS = "osD^vP*X"
 _FEWEST = 200
 """Pixels; a bin with fewer says nothing."""
 _WRONG = WRONG_ABOVE[0]
@@ -105,7 +105,7 @@ def draw_profiles(profiles: "Mapping[str, xr.Dataset]", quantity: str) -> "Figur
     for axes, (name, explanation) in zip(grid, RANGES.items(), strict=False):
         plain_axes(axes)
         places = np.arange(len(explanation.edges) - 1)
-        labels = [_bin_label(explanation.edges, k) for k in range(len(explanation.edges) - 1)]
+        labels = [range_label(explanation.edges, k) for k in range(len(explanation.edges) - 1)]
         for number, (method, profile) in enumerate(profiles.items()):
             values = _QUANTITIES[quantity](profile, name)
             known = np.isfinite(values)
@@ -233,7 +233,8 @@ def draw_worst(place: "xr.Dataset", *, top: float) -> "Figure":
     return figure
 
 
-def _bin_label(edges: Sequence[float], k: int) -> str:
+def range_label(edges: Sequence[float], k: int) -> str:
+    """What a bin of an explanation is called on an axis."""
     return f"> {edges[k]:g}" if np.isinf(edges[k + 1]) else f"{edges[k]:g}-{edges[k + 1]:g}"
 
 

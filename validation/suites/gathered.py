@@ -41,8 +41,8 @@ class Gathered:
     profiles: "list[tuple[Look, xr.Dataset]]" = field(default_factory=list)
     worst: "dict[tuple[str, str], xr.Dataset]" = field(default_factory=dict)
 
-    def summed(self, severity: str, prefix: str) -> "dict[str, xr.Dataset]":
-        """For each method, variables of a prefix added up over scenes as they are usually seen."""
+    def summed(self, severity: str, prefix: str | tuple[str, ...]) -> "dict[str, xr.Dataset]":
+        """For each method, variables of these prefixes added up over scenes as they are usually seen."""
         found: dict[str, xr.Dataset] = {}
         for look, profile in self.profiles:
             realisation = look.realisation

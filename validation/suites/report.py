@@ -9,18 +9,20 @@ import numpy as np
 
 from validation.modulation import resolved_period, response
 from validation.page import Panel, write_page
+from validation.statistics import Interval
 from validation.strata import MEANINGS
-from validation.suites.execution import Failure, is_measured
+from validation.suites.execution import Failure
 from validation.suites.figures import draw_cost, draw_heat_map, draw_profiles, draw_response, draw_worst
-from validation.suites.headline import Comparison, Headline, group_title, headlines
-from validation.suites.leaderboard import STRATA, Standing, standings
+from validation.suites.gathered import Gathered
+from validation.suites.headline import Comparison, Headline, headlines
+from validation.suites.leaderboard import STRATA, Standing, is_usual, standings, usual
 from validation.suites.plan import Look, Suite
-from validation.suites.table import Line, open_measurement
 from validation.versions import machine, package_version, package_versions
 
 if TYPE_CHECKING:
     import xarray as xr
 
+_PROFILE = ("count_", "unmeasured_", "sums_")
 _PROFILES = (
     ("median", "Median error", "Half of the pixels of a bin are nearer to the truth."),
     ("wrong", "Share of wrong pixels", "Not measured counts as wrong."),
@@ -35,30 +37,61 @@ _PROFILES = (
 
 
 @dataclass(frozen=True)
+class Board:
+    """Everything told of one severity, all scenes together.
+
+    Attributes
+    ----------
+    severity : str
+    rows : list of (method, cells)
+    overview, profiles, resolution : list of Panel
+    """
+
+    severity: str
+    rows: list[tuple[str, list[str]]]
+    overview: list[Panel]
+    profiles: list[Panel]
+    resolution: list[Panel]
+
+
+@dataclass(frozen=True)
+class Seen:
+    """A scene at one severity, or seen otherwise.
+
+    Attributes
+    ----------
+    name : str
+    rows : list of (method, cells)
+    remarks : list of str
+        Which differences between methods can be told.
+    """
+
+    name: str
+    rows: list[tuple[str, list[str]]]
+    remarks: list[str]
+
+
+@dataclass(frozen=True)
 class ScenePage:
     """What the page shows of one scene.
 
     Attributes
     ----------
     name : str
-    rows : list of (stratum, method, cells)
-    remarks : list of str
-        Which differences between methods can be told.
+    seen : list of Seen
     worst : list of Panel
         Where each method fails most.
     """
 
     name: str
-    rows: list[tuple[str, str, list[str]]]
-    remarks: list[str]
+    seen: list[Seen]
     worst: list[Panel]
 
 
 def write_suite_report(
     path: Path,
     suite: Suite,
-    out: Path,
-    lines: Sequence[Line],
+    gathered: Gathered,
     comparisons: Sequence[Comparison],
     failures: Sequence[Failure],
     *,
@@ -70,30 +103,23 @@ def write_suite_report(
     ----------
     path : Path
         The page to write.
-    out : Path
-        The suite's folder.
-    lines : sequence of dict
-        Its table.
+    gathered : Gathered
+        What was measured.
     command : str
         What a person types to get all of it again.
     """
-    told = headlines(lines)
-    board = standings(lines, comparisons)
-    methods = [standing.method for standing in board]
-    looks = [look for look in suite.looks if is_measured(out, look)]
+    told = headlines(gathered.lines)
+    severities = dict.fromkeys(line["severity"] for line in gathered.lines if is_usual(line))
     write_page(
         path,
         "suite.html.j2",
         {
             "title": f"suite {suite.name}",
             "description": suite.about,
-            "facts": _facts(suite, looks),
-            "board": [(one.method, _board_cells(one)) for one in board],
+            "facts": _facts(suite, gathered.looks),
+            "boards": [_board(severity, gathered, told, comparisons) for severity in severities],
             "strata": MEANINGS,
-            "overview": _overview(told, board, methods),
-            "profiles": _profile_panels(out, looks, methods),
-            "resolution": _resolution_panels(out, looks, methods),
-            "scenes": _scene_pages(out, looks, told, comparisons),
+            "scenes": _scene_pages(gathered, told, comparisons),
             "failures": failures,
             "commands": [command],
             "versions": package_versions(),
@@ -112,13 +138,33 @@ def _facts(suite: Suite, looks: Sequence[Look]) -> dict[str, str]:
     }
 
 
+def _board(
+    severity: str, gathered: Gathered, told: Sequence[Headline], comparisons: Sequence[Comparison]
+) -> Board:
+    standing = standings(usual(gathered.lines, severity), comparisons)
+    methods = [one.method for one in standing]
+    own = [one for one in told if one.severity == severity and not one.label and one.stride == 1]
+    return Board(
+        severity,
+        [(one.method, _board_cells(one)) for one in standing],
+        _overview(own, standing, methods),
+        _profile_panels(_ordered(gathered.summed(severity, _PROFILE), methods)),
+        _resolution_panels(_ordered(gathered.summed(severity, "response_"), methods)),
+    )
+
+
+def _ordered(found: "Mapping[str, xr.Dataset]", methods: Sequence[str]) -> "dict[str, xr.Dataset]":
+    return {method: found[method] for method in methods if method in found}
+
+
 def _board_cells(standing: Standing) -> list[str]:
-    shares = [standing.wrong[stratum].told(".1%") if stratum in standing.wrong else "-" for stratum in STRATA]
-    told = f"{standing.better} / {standing.worse}"
+    def told(intervals: Mapping[str, Interval], stratum: str, form: str) -> str:
+        return intervals[stratum].told(form) if stratum in intervals else "-"
+
     return [
-        standing.median.told(".3f"),
-        *shares,
-        told,
+        *(told(standing.wrong, stratum, ".1%") for stratum in reversed(STRATA)),
+        *(told(standing.median, stratum, ".3f") for stratum in ("complex", "all")),
+        f"{standing.better} / {standing.worse}",
         f"{standing.seconds:.2f}",
         str(standing.scene_count),
     ]
@@ -127,44 +173,39 @@ def _board_cells(standing: Standing) -> list[str]:
 def _overview(
     headlines: Sequence[Headline], board: Sequence[Standing], methods: Sequence[str]
 ) -> list[Panel]:
-    scenes = list(dict.fromkeys(_scene(one) for one in headlines))
+    scenes = list(dict.fromkeys(one.scene for one in headlines))
     shares = {stratum: np.full((len(scenes), len(methods)), np.nan) for stratum in STRATA}
     for one in headlines:
         if one.stratum in shares:
-            place = scenes.index(_scene(one)), methods.index(one.method)
+            place = scenes.index(one.scene), methods.index(one.method)
             shares[one.stratum][place] = one.errors["wrong_0.3"].value
     hard = {
-        one.method: (one.seconds, 100 * share.value, 100 * share.low, 100 * share.high)
+        one.method: (one.seconds, *(100 * end for end in (share.value, share.low, share.high)))
         for one in board
-        if (share := one.wrong.get("complex", one.wrong["all"]))
+        if (share := one.decisive)
     }
     return [
         Panel.of(
             "Wrong pixels",
-            "Share of pixels wrong by more than 0.3 px, or not measured: mean over realisations.",
+            "Share of pixels wrong by more than 0.3 px, or not measured: mean over realisations. White: no such "
+            "soil in the scene, or not measured.",
             draw_heat_map(shares, scenes, methods),
         ),
         Panel.of(
             "Error against time",
-            "Mean over scenes; bars are 95 % intervals over realisations.",
+            "Mean over scenes; bars are 95 % intervals over simulations.",
             draw_cost(hard, label="wrong by more than 0.3 px in complex flow [%]"),
         ),
     ]
 
 
-def _scene(one: Headline | Comparison) -> str:
-    return group_title(one.scene, one.label, one.severity, one.stride)
-
-
-def _profile_panels(out: Path, looks: Sequence[Look], methods: Sequence[str]) -> list[Panel]:
-    profiles = _summed(out, looks, methods, ("count_", "unmeasured_", "sums_"))
+def _profile_panels(profiles: "Mapping[str, xr.Dataset]") -> list[Panel]:
     if not profiles:
         return []
     return [Panel.of(title, caption, draw_profiles(profiles, name)) for name, title, caption in _PROFILES]
 
 
-def _resolution_panels(out: Path, looks: Sequence[Look], methods: Sequence[str]) -> list[Panel]:
-    sums = _summed(out, looks, methods, ("response_",))
+def _resolution_panels(sums: "Mapping[str, xr.Dataset]") -> list[Panel]:
     if not sums:
         return []
     told = "; ".join(f"{method} {_resolved(one)}" for method, one in sums.items())
@@ -174,48 +215,60 @@ def _resolution_panels(out: Path, looks: Sequence[Look], methods: Sequence[str])
 
 def _resolved(sums: "xr.Dataset") -> str:
     half, most = (resolved_period(response(sums), share) for share in (0.5, 0.9))
-    return f"{half:.0f} and {most:.0f} px"
-
-
-def _summed(
-    out: Path, looks: Sequence[Look], methods: Sequence[str], prefixes: tuple[str, ...]
-) -> "dict[str, xr.Dataset]":
-    """Variables of these prefixes, added up over everything that a method has looked at."""
-    found: dict[str, xr.Dataset] = {}
-    for look in looks:
-        with open_measurement(out, look) as measured:
-            wanted = [str(name) for name in measured.data_vars if str(name).startswith(prefixes)]
-            if wanted:
-                one = measured[wanted].load()
-                found[look.method] = found[look.method] + one if look.method in found else one
-    return {method: found[method] for method in methods if method in found}
+    return " and ".join("none shown" if np.isnan(one) else f"{one:.0f} px" for one in (half, most))
 
 
 def _scene_pages(
-    out: Path, looks: Sequence[Look], told: Sequence[Headline], comparisons: Sequence[Comparison]
+    gathered: Gathered, told: Sequence[Headline], comparisons: Sequence[Comparison]
 ) -> list[ScenePage]:
-    worst = _worst(out, looks)
-    return [
-        ScenePage(
-            name,
-            [
-                (one.stratum, one.method, _cells(one))
-                for stratum in MEANINGS
-                for one in told
-                if _scene(one) == name and one.stratum == stratum
-            ],
-            _remarks([one for one in comparisons if _scene(one) == name and one.stratum == "complex"]),
-            worst.get(name.split(",")[0], []),
-        )
-        for name in dict.fromkeys(_scene(one) for one in told)
-    ]
+    worst = _worst(gathered)
+    pages = []
+    for scene in dict.fromkeys(one.scene for one in told):
+        own = [one for one in told if one.scene == scene]
+        names = dict.fromkeys(_name(one) for one in own)
+        compared = [one for one in comparisons if one.scene == scene and one.stratum == "complex"]
+        seen = [
+            Seen(
+                name,
+                _rows([one for one in own if _name(one) == name]),
+                _remarks([one for one in compared if _name(one) == name]),
+            )
+            for name in names
+        ]
+        pages.append(ScenePage(scene, seen, worst.get(scene, [])))
+    return pages
 
 
-def _cells(headline: Headline) -> list[str]:
-    forms = {"median": ".3f", "p95": ".3f", "wrong_0.3": ".1%", "wrong_1.0": ".1%"}
-    found = [f"{headline.pixel_share:.1%}"]
-    found += [headline.errors[q].told(form) if q in headline.errors else "-" for q, form in forms.items()]
-    return [*found, str(headline.errors["wrong_0.3"].realisation_count)]
+def _name(one: Headline | Comparison) -> str:
+    """How a scene was seen."""
+    told = (one.severity, one.label, f"stride {one.stride}" if one.stride != 1 else "")
+    return ", ".join(part for part in told if part)
+
+
+def _rows(headlines: Sequence[Headline]) -> list[tuple[str, list[str]]]:
+    """A line for each method, the best in complex flow (else of all soil) first."""
+    by_method: dict[str, dict[str, Headline]] = {}
+    for one in headlines:
+        by_method.setdefault(one.method, {})[one.stratum] = one
+    hard = "complex" if any("complex" in strata for strata in by_method.values()) else "all"
+    order = sorted(by_method.items(), key=lambda item: _wrong_share(item[1].get(hard)))
+    return [(method, _cells(strata)) for method, strata in order]
+
+
+def _wrong_share(headline: Headline | None) -> float:
+    return np.inf if headline is None else headline.errors["wrong_0.3"].value
+
+
+def _cells(strata: Mapping[str, Headline]) -> list[str]:
+    found = [_cell(strata, stratum, "wrong_0.3", ".1%") for stratum in ("complex", "moving", "quiet", "all")]
+    found += [_cell(strata, "complex", quantity, ".3f") for quantity in ("median", "p95")]
+    found.append(_cell(strata, "all", "median", ".3f"))
+    return [*found, str(strata["all"].errors["wrong_0.3"].realisation_count)]
+
+
+def _cell(strata: Mapping[str, Headline], stratum: str, quantity: str, form: str) -> str:
+    errors = strata[stratum].errors if stratum in strata else {}
+    return errors[quantity].told(form) if quantity in errors else "-"
 
 
 def _remarks(comparisons: Sequence[Comparison]) -> list[str]:
@@ -230,19 +283,10 @@ def _remarks(comparisons: Sequence[Comparison]) -> list[str]:
     return told + ([f"no difference that could be told: {'; '.join(alike)}"] if alike else [])
 
 
-def _worst(out: Path, looks: Sequence[Look]) -> dict[str, list[Panel]]:
+def _worst(gathered: Gathered) -> dict[str, list[Panel]]:
     """For each scene, where each method fails most, over all of its pictures."""
-    found: dict[tuple[str, str], xr.Dataset] = {}
-    for look in looks:
-        with open_measurement(out, look) as measured:
-            key = look.realisation.motion.scene, look.method
-            if "worst_error" not in measured:
-                continue
-            place = measured[["worst_picture", "worst_speed", "worst_error"]].load()
-        if key not in found or place.attrs["worst_mean"] > found[key].attrs["worst_mean"]:
-            found[key] = place
     panels: dict[str, list[Panel]] = {}
-    for (scene, method), place in found.items():
+    for (scene, method), place in gathered.worst.items():
         panels.setdefault(scene, []).append(_worst_panel(method, place.attrs, place))
     return panels
 

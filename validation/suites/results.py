@@ -12,10 +12,12 @@ import numpy as np
 from validation.statistics import Interval
 from validation.suites import anchor
 from validation.suites.execution import Failure
+from validation.suites.gathered import gather
 from validation.suites.headline import GROUP, comparisons, group_title, headline_document, headlines
+from validation.suites.kept import write_kept
 from validation.suites.plan import Suite
 from validation.suites.report import write_suite_report
-from validation.suites.table import collect, write_csv, write_netcdf
+from validation.suites.table import write_csv, write_netcdf
 from validation.versions import machine, package_versions
 
 if TYPE_CHECKING:
@@ -27,16 +29,17 @@ SCHEMA_VERSION = 1
 def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, command: str) -> dict[str, Any]:
     """Write OUT/NAME.csv, .nc, .json and .html from the measurements that are there; return the JSON.
 
-    `command` is what a person types to get all of it again.
+    OUT/NAME-tables are the same, small enough to be kept (see `validation.suites.kept`). `command` is what a person types to get all of it again.
     """
-    lines = collect(suite, out)
+    gathered = gather(suite, out)
+    lines = gathered.lines
     compared = comparisons(lines)
     document = {
         "schema_version": SCHEMA_VERSION,
         "suite": suite.name,
         "about": suite.about,
         "methods": [*suite.methods, *suite.slow_methods],
-        "measured": len({(line["scene_hash"], line["method"], line["stride"]) for line in lines}),
+        "measured": len(gathered.looks),
         "of": len(suite.looks),
         "failures": [asdict(failure) for failure in failures],
         "versions": package_versions(),
@@ -55,8 +58,10 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
     if suite.name == "anchor" and lines and not failures:
         _replace(out / anchor.FILE, lambda path: anchor.write_anchor(lines, path))
     if lines and suite.name != "paper":  # which has a page of its own
-        page = partial(write_suite_report, suite=suite, out=out, lines=lines, comparisons=compared)
+        page = partial(write_suite_report, suite=suite, gathered=gathered, comparisons=compared)
         _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
+        about = {name: document[name] for name in ("suite", "measured", "of", "versions", "machine")}
+        write_kept(gathered, out / f"{suite.name}-tables", {"command": command, **about})
     return document
 
 

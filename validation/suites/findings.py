@@ -1,0 +1,271 @@
+"""What the suite `complex` found, from its kept tables: Markdown tables and figures of the README and the docs.
+
+Docs hold a table between `<!-- findings: NAME -->` and `<!-- end -->`; it is replaced by what the kept tables
+say, so that no number in the docs was typed by hand.
+"""
+
+import re
+from collections.abc import Callable, Iterable, Sequence
+from pathlib import Path
+
+from validation.error_profile import CAUSES
+from validation.modulation import resolved_period, response
+from validation.statistics import Interval, StatisticsError
+from validation.suites.complex_flow import BIN_SCENES, SOFT
+from validation.suites.explained import Explained
+from validation.suites.headline import comparisons
+from validation.suites.kept import Kept
+from validation.suites.leaderboard import (
+    STRATA,
+    WRONG,
+    difference_over_scenes,
+    over_scenes,
+    standings,
+    usual,
+)
+from validation.suites.severities import CLEAN, PAPER
+from validation.suites.table import Line
+
+INSTEAD = "robust-affine"
+"""What to use instead of the published technique."""
+_SIGNIFICANT = 0.05
+
+
+class FindingsError(ValueError):
+    """Tables or documents that nothing can be told of; the message is one line."""
+
+
+def leaderboard(kept: Kept) -> str:
+    """Methods at the severity `paper`, all scenes that were seen at it."""
+    lines = usual(kept.lines, PAPER)
+    compared = comparisons([line for line in lines if line["stratum"] == "complex"])
+    head = ["", "method", *(f"wrong, {stratum}" for stratum in reversed(STRATA)), "median, complex [px]"]
+    head += ["better / worse", "s a pair"]
+    rows = [
+        [
+            str(place),
+            f"`{one.method}`",
+            *(_share(one.wrong.get(stratum)) for stratum in reversed(STRATA)),
+            _px(one.median.get("complex")),
+            f"{one.better} / {one.worse}",
+            f"{one.seconds:.2f}",
+        ]
+        for place, one in enumerate(standings(lines, compared), start=1)
+    ]
+    return _markdown(head, rows)
+
+
+def how_large(kept: Kept) -> str:
+    """Errors of the published technique and of what to use instead, stratum by stratum."""
+    head = [
+        "pictures",
+        "soil",
+        *(f"{what}, `{m}`" for what in ("median [px]", "95 % [px]", "> 0.3 px") for m in _BOTH),
+    ]
+    head.append("difference of shares")
+    rows = []
+    for severity in (PAPER, CLEAN):
+        for stratum in ("quiet", "moving", "complex", "mixed"):
+            lines = [line for line in _wheels(kept, severity) if line["stratum"] == stratum]
+            told = [_told(lines, m, q) for q in ("median", "p95", WRONG) for m in _BOTH]
+            rows.append([severity, stratum, *told, _difference(lines)])
+    return _markdown(head, rows)
+
+
+def by_scene(kept: Kept) -> str:
+    """Complex flow of every implement."""
+    head = [
+        "scene",
+        "complex [% of soil]",
+        *(f"{what}, `{m}`" for what in ("median [px]", "> 0.3 px") for m in _BOTH),
+    ]
+    lines = [line for line in _wheels(kept, PAPER) if line["stratum"] == "complex"]
+    scenes = list(dict.fromkeys(line["scene"] for line in lines))
+    rows = []
+    for scene in scenes:
+        own = [line for line in lines if line["scene"] == scene]
+        every = [one for one in _wheels(kept, PAPER) if one["scene"] == scene and one["stratum"] == "all"]
+        share = sum(one["pixel_count"] for one in own) / max(sum(one["pixel_count"] for one in every), 1)
+        rows.append(
+            [
+                f"`{scene}`",
+                f"{100 * share:.1f}",
+                *(_told(own, m, q) for q in ("median", WRONG) for m in _BOTH),
+            ]
+        )
+    return _markdown(head, rows)
+
+
+def by_cause(kept: Kept) -> str:
+    """Where wrong pixels are: every pixel of complex flow has one cause, the first that applies."""
+    soft, instead = (Explained.of(kept.profiles, m, PAPER, BIN_SCENES) for m in _BOTH)
+    clean = Explained.of(kept.profiles, SOFT, CLEAN, BIN_SCENES)
+    everything = range(len(CAUSES))
+    head = ["cause", "share of soil", f"> 0.3 px, `{SOFT}`", f"clean, `{SOFT}`", f"> 0.3 px, `{INSTEAD}`"]
+    head += [f"of all wrong pixels of `{SOFT}`", f"bias along the motion, `{SOFT}` [px]"]
+    rows = [
+        [
+            cause,
+            _share(soft.share_of("cause", k, everything)),
+            *(_share(one.share_wrong("cause", k)) for one in (soft, clean, instead)),
+            _share(soft.share_of("cause", k, everything, "wrong_count")),
+            _px(soft.bias("cause", k)),
+        ]
+        for k, cause in enumerate(CAUSES)
+    ]
+    return _markdown(head, rows)
+
+
+def seen_otherwise(kept: Kept) -> str:
+    """The rolling wheel's complex flow with strides, textures, exchange and particles of other kinds."""
+    own = [
+        line
+        for line in kept.lines
+        if line["scene"] == BIN_SCENES[0] and line["severity"] == PAPER and line["stratum"] == "complex"
+    ]
+    groups = list(dict.fromkeys((line["label"], line["stride"]) for line in own))
+    base = [line for line in own if (line["label"], line["stride"]) == ("", 1)]
+    head = [
+        "seen",
+        *(f"> 0.3 px, `{m}`" for m in _BOTH),
+        *(f"change, `{m}`" for m in _BOTH),
+        "difference of the two",
+    ]
+    rows = []
+    for label, stride in sorted(groups, key=lambda one: one != ("", 1)):
+        lines = [line for line in own if (line["label"], line["stride"]) == (label, stride)]
+        changes = ["" if lines == base else _change(lines, base, method) for method in _BOTH]
+        rows.append(
+            [_way(label, stride), *(_told(lines, m, WRONG) for m in _BOTH), *changes, _difference(lines)]
+        )
+    return _markdown(head, rows)
+
+
+def resolution(kept: Kept) -> str:
+    """Shortest period of a strain that alternates of which half, and nine tenths, are told."""
+    if "response_product" not in kept.profiles:
+        raise FindingsError("no scene whose strain alternates was measured")
+    head = ["method", *(f"{severity}: half / nine tenths told from [px]" for severity in (PAPER, CLEAN))]
+    methods = dict.fromkeys(kept.profiles["method"].values.tolist())
+    rows = [[f"`{m}`", *(_resolved(kept, m, severity) for severity in (PAPER, CLEAN))] for m in methods]
+    return _markdown(head, rows)
+
+
+TABLES: dict[str, Callable[[Kept], str]] = {
+    "leaderboard": leaderboard,
+    "how-large": how_large,
+    "by-scene": by_scene,
+    "by-cause": by_cause,
+    "seen-otherwise": seen_otherwise,
+    "resolution": resolution,
+}
+_BOTH = (SOFT, INSTEAD)
+_PLACE = re.compile(r"(<!-- findings: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
+
+
+def with_findings(text: str, kept: Kept) -> str:
+    """A Markdown text whose tables say what the kept tables say.
+
+    Raises
+    ------
+    FindingsError
+        It names a table that does not exist.
+    """
+
+    def replaced(match: re.Match[str]) -> str:
+        name = match["name"]
+        if name not in TABLES:
+            raise FindingsError(f"findings: {name!r}: allowed are {', '.join(TABLES)}")
+        return f"{match[1]}\n{TABLES[name](kept)}\n\n{match[3]}"
+
+    return _PLACE.sub(replaced, text)
+
+
+def update_document(path: Path, kept: Kept) -> None:
+    """Bring the tables of a Markdown file up to date; everything else in it stays."""
+    text = path.read_text(encoding="utf-8")
+    path.write_text(with_findings(text, kept), encoding="utf-8")
+
+
+def _wheels(kept: Kept, severity: str) -> list[Line]:
+    return [line for line in usual(kept.lines, severity) if line["scene"] in BIN_SCENES]
+
+
+def _told(lines: Iterable[Line], method: str, quantity: str) -> str:
+    own = [line for line in lines if line["method"] == method]
+    try:
+        interval = over_scenes(own, own[0]["stratum"], quantity) if own else None
+    except StatisticsError:
+        interval = None
+    return _share(interval) if quantity == WRONG else _px(interval)
+
+
+def _difference(lines: Sequence[Line]) -> str:
+    """Of the two methods' shares of wrong pixels, on the pictures that both saw."""
+    parts = ([line for line in lines if line["method"] == method] for method in _BOTH)
+    return _told_difference(*parts, within=("scene", "label", "severity", "stride"))
+
+
+def _change(lines: Sequence[Line], base: Sequence[Line], method: str) -> str:
+    parts = ([line for line in some if line["method"] == method] for some in (lines, base))
+    return _told_difference(*parts, within=("scene",))
+
+
+def _told_difference(first: Sequence[Line], second: Sequence[Line], within: Sequence[str]) -> str:
+    try:
+        interval, p = difference_over_scenes(first, second, WRONG, within=within)
+    except StatisticsError:
+        return "-"
+    points = f"{100 * interval.value:+.1f} points"
+    if interval.low != interval.low:  # not a number
+        return points
+    told = f"{points} ({100 * interval.low:+.1f} to {100 * interval.high:+.1f})"
+    return told if p < _SIGNIFICANT else f"no difference told: {told}"
+
+
+def _resolved(kept: Kept, method: str, severity: str) -> str:
+    looks = kept.profiles[["response_product", "response_square"]].isel(
+        look=(kept.profiles["method"].values == method) & (kept.profiles["severity"].values == severity)
+    )
+    sums = looks.sum("look", min_count=1)
+    half, most = (resolved_period(response(sums), share) for share in (0.5, 0.9))
+    return f"{_period(half)} / {_period(most)}"
+
+
+def _period(value: float) -> str:
+    return "-" if value != value else f"{value:.0f}"
+
+
+def _way(label: str, stride: int) -> str:
+    if stride != 1:
+        return f"every {stride}nd picture" if stride == 2 else f"every {stride}th picture"
+    kind, _, amount = label.partition("-")
+    return {
+        "": "as everywhere",
+        "carried": "texture carried by single particles",
+        "exchange": f"{100 * float(amount or 0):g} % of the grains replaced a frame",
+        "grains": f"particles {amount.removeprefix('x')} times as large",
+    }.get(kind, label)
+
+
+def _share(interval: Interval | None) -> str:
+    return (
+        "-"
+        if interval is None
+        else _with_half(100 * interval.value, 100 * (interval.high - interval.low), " %")
+    )
+
+
+def _px(interval: Interval | None) -> str:
+    return "-" if interval is None else _with_half(interval.value, interval.high - interval.low, "")
+
+
+def _with_half(value: float, width: float, unit: str) -> str:
+    form = ".1f" if unit else ".3f"
+    half = "" if width != width else f" ± {width / 2:{form}}"
+    return f"{value:{form}}{half}{unit}"
+
+
+def _markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
+    lines = [head, ["---"] * len(head), *rows]
+    return "\n".join(f"| {' | '.join(line)} |" for line in lines)
