@@ -155,19 +155,19 @@ def _picture_seeds(extent: Extent, severity: str) -> tuple[int, ...]:
 
 
 def _by_formula(scene: str, extent: Extent, quick: bool) -> list[Realisation]:
-    severities = SEVERITIES if scene in ANALYTIC_SCENES else (CLEAN,)
+    seeds = {severity: _picture_seeds(extent, severity) for severity in SEVERITIES}
+    if scene in SAND_SCENES:
+        seeds = {CLEAN: extent.picture_seeds}
     return [
         Realisation(Motion(scene, seed, quick), picture_seed, severity, pair_count=1)
         for seed in extent.seeds
-        for severity in severities
-        for picture_seed in (
-            _picture_seeds(extent, severity) if len(severities) > 1 else extent.picture_seeds
-        )
+        for severity, picture_seeds in seeds.items()
+        for picture_seed in picture_seeds
     ]
 
 
 def _seen_otherwise(seed: int, extent: Extent, quick: bool) -> list[Realisation]:
-    """One simulation of the rolling wheel: other strides, textures, exchange; and one of coarser particles."""
+    """The rolling wheel at other strides, with other textures, exchange, and coarser particles."""
     scene = BIN_SCENES[0]
     view = _view(scene) if quick else ()
     motion = Motion(scene, seed, quick)

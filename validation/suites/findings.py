@@ -1,4 +1,4 @@
-"""What the suite `complex` found, from its kept tables: Markdown tables and figures of the README and the docs.
+"""What the suite `complex` found, from its kept tables: Markdown tables of the README and the docs.
 
 Docs hold a table between `<!-- findings: NAME -->` and `<!-- end -->`; it is replaced by what the kept tables
 say, so that no number in the docs was typed by hand.
@@ -57,12 +57,7 @@ def leaderboard(kept: Kept) -> str:
 
 def how_large(kept: Kept) -> str:
     """Errors of the published technique and of what to use instead, stratum by stratum."""
-    head = [
-        "pictures",
-        "soil",
-        *(f"{what}, `{m}`" for what in ("median [px]", "95 % [px]", "> 0.3 px") for m in _BOTH),
-    ]
-    head.append("difference of shares")
+    head = ["pictures", "soil", *_of_both("median [px]", "95 % [px]", "> 0.3 px"), "difference of shares"]
     rows = []
     for severity in (PAPER, CLEAN):
         for stratum in ("quiet", "moving", "complex", "mixed"):
@@ -74,11 +69,7 @@ def how_large(kept: Kept) -> str:
 
 def by_scene(kept: Kept) -> str:
     """Complex flow of every implement."""
-    head = [
-        "scene",
-        "complex [% of soil]",
-        *(f"{what}, `{m}`" for what in ("median [px]", "> 0.3 px") for m in _BOTH),
-    ]
+    head = ["scene", "complex [% of soil]", *_of_both("median [px]", "> 0.3 px"), "difference of shares"]
     lines = [line for line in _wheels(kept, PAPER) if line["stratum"] == "complex"]
     scenes = list(dict.fromkeys(line["scene"] for line in lines))
     rows = []
@@ -86,13 +77,8 @@ def by_scene(kept: Kept) -> str:
         own = [line for line in lines if line["scene"] == scene]
         every = [one for one in _wheels(kept, PAPER) if one["scene"] == scene and one["stratum"] == "all"]
         share = sum(one["pixel_count"] for one in own) / max(sum(one["pixel_count"] for one in every), 1)
-        rows.append(
-            [
-                f"`{scene}`",
-                f"{100 * share:.1f}",
-                *(_told(own, m, q) for q in ("median", WRONG) for m in _BOTH),
-            ]
-        )
+        told = [_told(own, method, quantity) for quantity in ("median", WRONG) for method in _BOTH]
+        rows.append([f"`{scene}`", f"{100 * share:.1f}", *told, _difference(own)])
     return _markdown(head, rows)
 
 
@@ -125,12 +111,7 @@ def seen_otherwise(kept: Kept) -> str:
     ]
     groups = list(dict.fromkeys((line["label"], line["stride"]) for line in own))
     base = [line for line in own if (line["label"], line["stride"]) == ("", 1)]
-    head = [
-        "seen",
-        *(f"> 0.3 px, `{m}`" for m in _BOTH),
-        *(f"change, `{m}`" for m in _BOTH),
-        "difference of the two",
-    ]
+    head = ["seen", *_of_both("> 0.3 px", "change"), "difference of the two"]
     rows = []
     for label, stride in sorted(groups, key=lambda one: one != ("", 1)):
         lines = [line for line in own if (line["label"], line["stride"]) == (label, stride)]
@@ -185,6 +166,10 @@ def update_document(path: Path, kept: Kept) -> None:
     """Bring the tables of a Markdown file up to date; everything else in it stays."""
     text = path.read_text(encoding="utf-8")
     path.write_text(with_findings(text, kept), encoding="utf-8")
+
+
+def _of_both(*quantities: str) -> list[str]:
+    return [f"{quantity}, `{method}`" for quantity in quantities for method in _BOTH]
 
 
 def _wheels(kept: Kept, severity: str) -> list[Line]:

@@ -1,7 +1,7 @@
 """What a suite found, small enough to be kept: tables that docs and figures are made of without a rerun.
 
-A folder of three files: `lines.csv.gz`, a line for each picture pair, stratum and method; `profiles.nc`, for each
-set of pictures and method the errors by what may explain them; `about.json`, what made them.
+A folder of three files: `lines.csv.gz`, a line for each picture pair, stratum and method; `profiles.nc`, for
+each set of pictures and method the errors by what may explain them; `about.json`, what made them.
 """
 
 import gzip

@@ -87,8 +87,8 @@ def measure(
     -------
     xarray.Dataset
         Over `pair` and `stratum`: the errors, and `wrong_share` over `bound`, too; over `pair`:
-        `seconds`, processor time of the flow's estimate on `threads` threads; and of dense methods the error profile, summed over
-        the pairs, and what is around the place where the method fails most.
+        `seconds`, processor time of the flow's estimate on `threads` threads; and of dense methods the error
+        profile, summed over the pairs, and what is around the place where the method fails most.
     """
     import soft
 

@@ -105,7 +105,7 @@ class Realisation:
         tables = self.motion.load().to_dict()
         # Other pictures for another motion, too: a plate turns alike with any seed.
         tables["picture_seed"] = _PICTURE_SEEDS * self.motion.seed + self.picture_seed
-        return parse_scene(with_changes(tables, (*severity_changes(self.severity), *self.changes)))
+        return parse_scene(with_changes(tables, (*severity_changes(self.severity, tables), *self.changes)))
 
     @property
     def is_usual(self) -> bool:

@@ -187,8 +187,8 @@ def _overview(
     return [
         Panel.of(
             "Wrong pixels",
-            "Share of pixels wrong by more than 0.3 px, or not measured: mean over realisations. White: no such "
-            "soil in the scene, or not measured.",
+            "Share of pixels wrong by more than 0.3 px, or not measured: mean over realisations. White: no "
+            "such soil in the scene, or not looked at.",
             draw_heat_map(shares, scenes, methods),
         ),
         Panel.of(

@@ -29,7 +29,8 @@ SCHEMA_VERSION = 1
 def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, command: str) -> dict[str, Any]:
     """Write OUT/NAME.csv, .nc, .json and .html from the measurements that are there; return the JSON.
 
-    OUT/NAME-tables are the same, small enough to be kept (see `validation.suites.kept`). `command` is what a person types to get all of it again.
+    OUT/NAME-tables are the same, small enough to be kept (see `validation.suites.kept`). `command` is what a
+    person types to get all of it again.
     """
     gathered = gather(suite, out)
     lines = gathered.lines

@@ -1,6 +1,8 @@
 """Named sets of nuisances: what a suite's pictures suffer from."""
 
+import math
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +14,10 @@ _LEVELS = {"light": 0, "heavy": 2}
 """Which of the nuisance study's severities every nuisance has, all at once."""
 
 
+_FULL_WELL = 20_000.0
+"""electrons at full scale of `plate_rotation`'s sensor, with which `paper` was found."""
+
+
 class SeverityError(ValueError):
     """A severity that does not exist; the message is one line."""
 
@@ -21,8 +27,15 @@ def severity_names() -> tuple[str, ...]:
     return (CLEAN, *_LEVELS, *([PAPER] if PAPER_FILE.is_file() else []))
 
 
-def severity_changes(name: str) -> tuple[tuple[str, str, Any], ...]:
+def severity_changes(name: str, scene: Mapping[str, Any] | None = None) -> tuple[tuple[str, str, Any], ...]:
     """What it changes in a scene: (table, key, value) each.
+
+    Parameters
+    ----------
+    name : str
+    scene : mapping, optional
+        Its tables. The sensor of a motion by formula tells all of its noise in grey levels: there read noise
+        is added to that.
 
     Raises
     ------
@@ -37,5 +50,13 @@ def severity_changes(name: str) -> tuple[tuple[str, str, Any], ...]:
         return tuple(("nuisance", key, values[_LEVELS[name]]) for key, values in SEVERITIES.items())
     if name == PAPER and PAPER_FILE.is_file():
         tables = tomllib.loads(PAPER_FILE.read_text(encoding="utf-8"))
-        return tuple((t, key, value) for t, keys in tables.items() for key, value in keys.items())
+        changes = tuple((t, key, value) for t, keys in tables.items() for key, value in keys.items())
+        own = (scene or {}).get("sensor", {}).get("noise")
+        return changes if own is None else tuple(_in_grey_levels(own, *change) for change in changes)
     raise SeverityError(f"severity {name!r}: allowed are {', '.join(severity_names())}")
+
+
+def _in_grey_levels(own: float, table: str, key: str, value: Any) -> tuple[str, str, Any]:
+    if (table, key) != ("sensor", "read_noise"):
+        return table, key, value
+    return table, "noise", round(math.hypot(own, value / _FULL_WELL * 255), 3)

@@ -65,6 +65,17 @@ def test_severity():
         severity_changes("worst")
 
 
+def test_severity_paper_is_as_noisy_whatever_the_sensor_is_told_in():
+    plate, band = (
+        Realisation(Motion(name, quick=True), severity="paper").scene()
+        for name in ("plate_rotation", "shear_band")
+    )
+    levels = 255 * plate.sensor.read_noise / plate.sensor.full_well
+    assert 5 < levels < 7
+    clean = Realisation(Motion("shear_band", quick=True)).scene().sensor.noise
+    assert band.sensor.noise == pytest.approx((levels**2 + clean**2) ** 0.5, abs=0.01)
+
+
 def test_a_further_method_joins_once():
     suite = find_suite("smoke").with_methods(["my.flow:of", "dis"])
     assert suite.methods == ("dis", "farneback", "my.flow:of")
