@@ -8,7 +8,7 @@ from typing import Annotated
 
 import typer
 
-from validation.terminal import Terminal
+from validation.terminal import Terminal, error_line
 
 CHECK_FAILED = 1
 BAD_INPUT = 2
@@ -63,12 +63,8 @@ def _is_usage_error(error: Exception) -> bool:
 def _in_one_line(error: Exception) -> str:
     if _is_usage_error(error):
         command = getattr(getattr(error, "ctx", None), "command_path", "softbed")
-        text = f"{error.format_message()} (see {command} --help)"  # type: ignore[attr-defined]
-    elif isinstance(error, OSError) and error.strerror:
-        text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
-    else:
-        text = str(error) or type(error).__name__
-    return " ".join(text.split())
+        return " ".join(f"{error.format_message()} (see {command} --help)".split())  # type: ignore[attr-defined]
+    return error_line(error)
 
 
 def _complain(line: str, *, as_json: bool) -> None:

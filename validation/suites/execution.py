@@ -16,7 +16,7 @@ from typing import TYPE_CHECKING
 
 from validation.run_folder import PARTIAL_PREFIX, RunFolder
 from validation.suites.plan import Look, Motion, Realisation, Suite
-from validation.terminal import Terminal
+from validation.terminal import Terminal, error_line
 from validation.versions import package_version
 
 if TYPE_CHECKING:
@@ -288,7 +288,7 @@ def _made_by() -> dict[str, str]:
 
 
 def _in_one_line(error: BaseException) -> str:
-    text = " ".join(str(error).split()) or type(error).__name__
+    text = error_line(error)
     if isinstance(error, ValueError | OSError):
         return text
     place = traceback.extract_tb(error.__traceback__)

@@ -13,7 +13,7 @@ from validation.modulation import resolved_period, response
 from validation.statistics import Interval, StatisticsError
 from validation.suites.complex_flow import BIN_SCENES, SOFT
 from validation.suites.explained import Explained
-from validation.suites.headline import comparisons
+from validation.suites.headline import GROUP, comparisons
 from validation.suites.kept import Kept
 from validation.suites.leaderboard import (
     STRATA,
@@ -187,13 +187,13 @@ def _told(lines: Iterable[Line], method: str, quantity: str) -> str:
 
 def _difference(lines: Sequence[Line]) -> str:
     """Of the two methods' shares of wrong pixels, on the pictures that both saw."""
-    parts = ([line for line in lines if line["method"] == method] for method in _BOTH)
-    return _told_difference(*parts, within=("scene", "label", "severity", "stride"))
+    soft, instead = ([line for line in lines if line["method"] == method] for method in _BOTH)
+    return _told_difference(soft, instead, within=GROUP)
 
 
 def _change(lines: Sequence[Line], base: Sequence[Line], method: str) -> str:
-    parts = ([line for line in some if line["method"] == method] for some in (lines, base))
-    return _told_difference(*parts, within=("scene",))
+    now, former = ([line for line in some if line["method"] == method] for some in (lines, base))
+    return _told_difference(now, former, within=("scene",))
 
 
 def _told_difference(first: Sequence[Line], second: Sequence[Line], within: Sequence[str]) -> str:
@@ -225,12 +225,13 @@ def _way(label: str, stride: int) -> str:
     if stride != 1:
         return f"every {stride}nd picture" if stride == 2 else f"every {stride}th picture"
     kind, _, amount = label.partition("-")
-    return {
+    ways = {
         "": "as everywhere",
         "carried": "texture carried by single particles",
-        "exchange": f"{100 * float(amount or 0):g} % of the grains replaced a frame",
+        "exchange": f"share {amount} of the grains replaced a frame",
         "grains": f"particles {amount.removeprefix('x')} times as large",
-    }.get(kind, label)
+    }
+    return ways.get(kind, label)
 
 
 def _share(interval: Interval | None) -> str:

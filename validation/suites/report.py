@@ -180,7 +180,7 @@ def _overview(
             place = scenes.index(one.scene), methods.index(one.method)
             shares[one.stratum][place] = one.errors["wrong_0.3"].value
     hard = {
-        one.method: (one.seconds, *(100 * end for end in (share.value, share.low, share.high)))
+        one.method: (one.seconds, 100 * share.value, 100 * share.low, 100 * share.high)
         for one in board
         if (share := one.decisive)
     }
