@@ -63,26 +63,24 @@ def answer(kept: Kept) -> str:
         [line for line in _wheels(kept, severity) if line["stratum"] == stratum]
         for severity, stratum in ((PAPER, "complex"), (PAPER, "quiet"), (CLEAN, "complex"))
     )
-    soft, without_noise = (
-        Explained.of(kept.profiles, SOFT, severity, BIN_SCENES) for severity in (PAPER, CLEAN)
-    )
+    soft, calm = (Explained.of(kept.profiles, SOFT, severity, BIN_SCENES) for severity in (PAPER, CLEAN))
     causes = [
-        f"{cause} {_share(soft.share_wrong('cause', k))} (clean {_share(without_noise.share_wrong('cause', k))})"
+        f"{cause} {_share(soft.share_wrong('cause', k))} (clean {_share(calm.share_wrong('cause', k))})"
         for k, cause in enumerate(CAUSES[:_DISTINCT])
-        if soft.share_wrong("cause", k)
     ]
     seen = list(dict.fromkeys(line["scene"] for line in hard))
     missing = [scene for scene in BIN_SCENES if scene not in seen]
+    count, of = kept.about["measured"], kept.about["of"]
     told = [
-        f"Pictures as noisy as the authors': `{SOFT}` is wrong by more than 0.3 px in {_told(hard, SOFT, WRONG)} of "
-        f"complex flow and {_told(quiet, SOFT, WRONG)} of quiet soil, its median error {_told(hard, SOFT, 'median')} "
-        f"and {_told(quiet, SOFT, 'median')} px.",
+        f"Pictures as noisy as the authors': `{SOFT}` is wrong by more than 0.3 px in "
+        f"{_told(hard, SOFT, WRONG)} of complex flow and {_told(quiet, SOFT, WRONG)} of quiet soil, its median "
+        f"error {_told(hard, SOFT, 'median')} and {_told(quiet, SOFT, 'median')} px.",
         f"Clean pictures: {_told(clean, SOFT, WRONG)} of complex flow, median {_told(clean, SOFT, 'median')} px.",
         f"Wrong, by cause: {'; '.join(causes)}.",
-        f"`{INSTEAD}` is wrong in {_told(hard, INSTEAD, WRONG)} of complex flow on the noisy pictures; "
+        f"`{INSTEAD}` is wrong in {_told(hard, INSTEAD, WRONG)} of complex flow on the noisy pictures. "
         f"`{SOFT}` less `{INSTEAD}`: {_difference(hard)}; clean: {_difference(clean)}.",
-        f"Measured so far: {kept.about['measured']} of {kept.about['of']} sets of pictures and methods; implements: "
-        f"{', '.join(seen)}" + (f"; not yet: {', '.join(missing)}." if missing else "."),
+        f"Measured: {count} of {of} sets of pictures and methods; implements: {', '.join(seen)}"
+        + (f"; not yet: {', '.join(missing)}." if missing else "."),
     ]
     return "\n".join(f"- {sentence}" for sentence in told)
 
