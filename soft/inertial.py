@@ -79,5 +79,5 @@ def _located(
         u, v = mode_locations(on_soil)
         return u, v if vertical else as_measured
     weight = rigidity(on_soil, soil) if camera == "rigid" else None
-    u, v = on_soil[:, :, 0], on_soil[:, :, 1]
-    return median_location(u, weight), median_location(v, weight) if vertical else as_measured
+    across, down = on_soil[:, :, 0], on_soil[:, :, 1]
+    return median_location(across, weight), median_location(down, weight) if vertical else as_measured

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from dataclasses import dataclass
-from itertools import zip_longest
+from itertools import chain, repeat
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -139,7 +139,7 @@ class FilmPage:
             if shown is not None:
                 shown.set_data(values)
         # Panels beyond those that lines are told for have none.
-        for drawn, lines in zip_longest(self._lines, shot.lines, fillvalue=()):
+        for drawn, lines in zip(self._lines, chain(shot.lines, repeat(())), strict=False):
             drawn.set_segments([self._length * line for line in lines])
         self._title.set_title(f"{self._first}, {shot.label}", fontsize=10, loc="left")
         self._canvas.draw()
