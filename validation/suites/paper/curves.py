@@ -146,10 +146,9 @@ def draw_camera(series: "xr.Dataset") -> "Figure":
         label="median of the true motion of soil",
     )
     axes.plot(pairs, -series["speed_measured"], "o", color=_BLUE, markersize=4, label="measured")
-    axes.secondary_yaxis("right", functions=(lambda px: px * scale, lambda speed: speed / scale)).set_ylabel(
-        "[cm/s]", fontsize=_LETTERS
-    )
-    axes.xaxis.get_major_locator().set_params(integer=True)
+    there_and_back = (lambda px: np.multiply(px, scale), lambda speed: np.divide(speed, scale))
+    axes.secondary_yaxis("right", functions=there_and_back).set_ylabel("[cm/s]", fontsize=_LETTERS)
+    axes.locator_params(axis="x", integer=True)
     _name(axes, "pair of pictures", "camera's motion [px/frame]")
     _legend(axes)
     return figure

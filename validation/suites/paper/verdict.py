@@ -5,6 +5,7 @@ and why, as far as we know. Judged is `soft-2014`, what the authors ran as far a
 pictures of the severity `paper`; what others give, or clean pictures, stands beside.
 """
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 
@@ -132,7 +133,7 @@ def reason(
 def difference(first: Interval, second: Interval) -> Interval:
     """First less second, of simulations that know nothing of each other: half-widths add as squares do."""
     value = first.value - second.value
-    half = float(np.hypot(*((one.high - one.low) / 2 for one in (first, second))))
+    half = math.hypot(*((one.high - one.low) / 2 for one in (first, second)))
     count = min(first.realisation_count, second.realisation_count)
     return Interval(value, value - half, value + half, count, first.pair_count + second.pair_count)
 
@@ -140,7 +141,7 @@ def difference(first: Interval, second: Interval) -> Interval:
 def ratio(first: Interval, second: Interval) -> Interval:
     """First over second, both above zero, likewise: relative half-widths add as squares do."""
     value = first.value / second.value
-    spread = float(np.hypot(*((one.high - one.low) / 2 / one.value for one in (first, second))))
+    spread = math.hypot(*((one.high - one.low) / 2 / one.value for one in (first, second)))
     count = min(first.realisation_count, second.realisation_count)
     return Interval(
         value, value / (1 + spread), value * (1 + spread), count, first.pair_count + second.pair_count
