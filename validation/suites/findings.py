@@ -73,9 +73,10 @@ def answer(kept: Kept) -> str:
     count, of = kept.about["measured"], kept.about["of"]
     told = [
         f"Pictures as noisy as the authors': `{SOFT}` is wrong by more than 0.3 px in "
-        f"{_told(hard, SOFT, WRONG)} of complex flow and {_told(quiet, SOFT, WRONG)} of quiet soil, its median "
-        f"error {_told(hard, SOFT, 'median')} and {_told(quiet, SOFT, 'median')} px.",
-        f"Clean pictures: {_told(clean, SOFT, WRONG)} of complex flow, median {_told(clean, SOFT, 'median')} px.",
+        f"{_told(hard, SOFT, WRONG)} of complex flow and {_told(quiet, SOFT, WRONG)} of quiet soil, its "
+        f"median error {_told(hard, SOFT, 'median')} and {_told(quiet, SOFT, 'median')} px.",
+        f"Clean pictures: {_told(clean, SOFT, WRONG)} of complex flow, median error "
+        f"{_told(clean, SOFT, 'median')} px.",
         f"Wrong, by cause: {'; '.join(causes)}.",
         f"`{INSTEAD}` is wrong in {_told(hard, INSTEAD, WRONG)} of complex flow on the noisy pictures. "
         f"`{SOFT}` less `{INSTEAD}`: {_difference(hard)}; clean: {_difference(clean)}.",

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from synth.scene import scene_names
 from validation.suites.catalogue import SUITES, SuiteError, find_suite
 from validation.suites.plan import Look, Motion, Realisation
 from validation.suites.severities import SeverityError, severity_changes
@@ -28,11 +29,27 @@ def test_no_suite_uses_what_methods_were_tuned_on():
         assert all(r.motion.seed not in (0, 101) for r in find_suite(name).realisations)
 
 
-def test_headline_rows_rest_on_eight_realisations():
-    suite = find_suite("complex")
+@pytest.mark.parametrize("quick", [False, True])
+def test_headline_rows_rest_on_eight_realisations(quick):
+    suite = find_suite("complex", quick=quick)
     for scene in {r.motion.scene for r in suite.realisations}:
-        own = [r for r in suite.realisations if r.motion.scene == scene]
-        assert len({(r.motion.seed, r.picture_seed) for r in own}) >= 8
+        own = [r for r in suite.realisations if r.motion.scene == scene and r.is_usual]
+        headline = "paper" if any(r.severity == "paper" for r in own) else "clean"
+        assert len({(r.motion.seed, r.picture_seed) for r in own if r.severity == headline}) == 8
+
+
+def test_complex_looks_at_every_shipped_scene():
+    assert set(scene_names()) == {r.motion.scene for r in find_suite("complex").realisations}
+
+
+def test_slow_methods_see_a_part_of_the_pictures_and_all_where_they_are_asked_for():
+    suite = find_suite("complex", quick=True)
+    seen = {look.realisation for look in suite.looks if look.method == "soft-2014"}
+    assert {r.motion.scene for r in seen} == {r.motion.scene for r in suite.realisations}
+    assert len(seen) < len(suite.realisations)
+    asked = suite.with_methods(["soft-2014"])
+    assert sum(look.method == "soft-2014" for look in asked.looks) == len(suite.realisations)
+    assert len({look.name for look in asked.looks}) == len(asked.looks)
 
 
 @pytest.mark.parametrize(
