@@ -12,7 +12,7 @@ from validation.published import read_published
 if TYPE_CHECKING:
     from rich.table import Table
 
-PUBLISHED = "push_rolling"
+PUBLISHED = "paper_drawbar"
 SCARAB = "scarab"
 """The vehicle that was published."""
 MAXIMUM_WITHIN, RATIO_WITHIN = 0.15, 0.10
