@@ -35,7 +35,7 @@ class LoadSteps:
     """
 
     loads: tuple[float, ...] = ()
-    coarse: float = 0.016
+    coarse: float = 0.012
 
     def __post_init__(self) -> None:
         if any(load <= 0 for load in self.loads) or list(self.loads) != sorted(set(self.loads)):
