@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.averaging import score_averaging
+from validation.averaging import AveragingTally
 from validation.page import Panel
 from validation.pair_view import true_motion
 from validation.statistics import Interval
@@ -14,6 +14,7 @@ from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found, mean_of
 from validation.suites.paper.shown import DIMS, flow_of, mean_flow_of, picture_of, rounded
 from validation.suites.paper.verdict import JUDGED, Told, Variant, ratio
+from validation.truth_pass import pass_over
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -35,7 +36,10 @@ def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
     import soft
 
     mean = soft.average_flow(flow)
-    score = score_averaging(footage, {"this": flow})["this"]
+    tally = AveragingTally()
+    if AveragingTally.suits(flow):
+        pass_over(footage, {"this": flow}, {"this": [tally]})
+    score = tally.result()
     if score is None:
         return xr.Dataset()
     gain, moving = mean.gain, flow["moving"]

@@ -75,6 +75,7 @@ def flow_of(measured: "xr.Dataset") -> "xr.Dataset":
 
 def view_of(measured: "xr.Dataset") -> PairView:
     """The pair with its truth and this one measurement."""
+    from soft import ShearInterface
     from soft.figures.units import Units
 
     scale, rate = (float(value) for value in measured.attrs["shown_scale"])
@@ -83,16 +84,18 @@ def view_of(measured: "xr.Dataset") -> PairView:
         for name in ("true", "inertial")
     )
     error = measured["shown_error"].values
-    missed = np.isfinite(true.u) & ~np.isfinite(error)
+    soil = np.isfinite(true.u)
+    missed = soil & ~np.isfinite(error)
     camera = float(measured.attrs["shown_camera_u"])
     return PairView(
         pair=int(measured.attrs["shown_pair"]),
         picture=picture_of(measured),
         truth=true,
         strata={},
-        measured={measured.attrs["method"]: Measured(own, error, missed, camera)},
+        measured={measured.attrs["method"]: Measured(own, error, missed, camera, soil)},
         camera_u=camera,
         units=Units.of(metres_per_pixel=scale, frame_rate=rate),
+        true_interface=ShearInterface((), "not kept"),
     )
 
 
