@@ -28,7 +28,7 @@ BIN_SCENES = (
     "constant_speed",
     "slab_wheel",
 )
-ANALYTIC_SCENES = ("plate_rotation", "shear_band", "sinusoidal_strain")
+ANALYTIC_SCENES = ("plate_rotation", "fillite_plate", "shear_band", "sinusoidal_strain")
 """By formula, seen at both severities."""
 SAND_SCENES = ("sand_rotation", "sand_low_contrast", "sand_defocus", "sand_aliased")
 """By formula, with what disturbs them in the scene itself."""
