@@ -98,7 +98,9 @@ def shipped():
 
 def test_shipped_tables_say_what_they_are_of(shipped):
     told = {one["scene"] for one in shipped.lines}
-    assert set(complex_flow.FORMULA_SCENES) <= told and "rolling_wheel" in told
+    known = {one.motion.scene for one in complex_flow.complex_suite(quick=True).realisations}
+    assert {"rolling_wheel", "bucket", "fillite_wheel", "shear_band"} <= told <= known
+    assert {one["soil"] for one in shipped.lines} >= {"grc1", "fillite"}
     assert shipped.about["measured"] <= shipped.about["of"] and shipped.about["versions"]["softbed"]
 
 
