@@ -29,8 +29,8 @@ class LoadSteps:
     Attributes
     ----------
     loads : tuple of float
-        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that once the
-        travel reduction is above 0.2, a quarter above 0.5, until the vehicle is pulled back.
+        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that where the
+        last one took more than 3 % of travel, a quarter where more than 10 %, until the vehicle is pulled back.
     coarse : float
     """
 
@@ -48,7 +48,8 @@ class LoadSteps:
         if self.loads:
             return self.loads[len(points) - 1] if len(points) <= len(self.loads) else None
         last = points[-1]
-        part = 1 if last.travel_reduction < 0.2 else 2 if last.travel_reduction < 0.5 else 4
+        took = last.travel_reduction - points[-2].travel_reduction if len(points) > 1 else 0.0
+        part = 1 if took < 0.03 else 2 if took < 0.1 else 4
         return last.drawbar_pull_ratio + self.coarse / part
 
 

@@ -28,12 +28,16 @@ class Ratio:
     wheel, law : str
     value : float
         Maximum by inching / maximum by rolling.
+    at_travel_reduction : dict
+        The same of the pulls at travel reductions; None where either gait did not get there.
     published : float
+        Of the maxima.
     """
 
     wheel: str
     law: str
     value: float
+    at_travel_reduction: dict[str, float | None]
     published: float
 
 
@@ -46,15 +50,20 @@ def published_maximum(curve: Curve) -> float | None:
 
 def ratios(curves: Sequence[Curve]) -> list[Ratio]:
     """One for each wheel and law that was measured in both gaits."""
-    maxima = {(one.order.gait, one.order.wheel, one.order.law): one.maximum for one in curves}
-    published = read_published(PUBLISHED)
+    known = {(one.order.gait, one.order.wheel, one.order.law): one for one in curves}
     found = []
-    for gait, wheel, law in maxima:
-        if gait == "inching" and ("rolling", wheel, law) in maxima:
-            known = published[f"inching_{wheel}"].value / published[f"rolling_{wheel}"].value
-            value = maxima[gait, wheel, law] / maxima["rolling", wheel, law]
-            found.append(Ratio(wheel, law, value, known))
+    for (gait, wheel, law), inching in known.items():
+        if gait == "inching" and ("rolling", wheel, law) in known:
+            found.append(_ratio(inching, known["rolling", wheel, law]))
     return found
+
+
+def _ratio(inching: Curve, rolling: Curve) -> Ratio:
+    published = read_published(PUBLISHED)
+    wheel, above, below = inching.order.wheel, inching.at_travel_reduction, rolling.at_travel_reduction
+    at = {name: pull / under if pull and (under := below[name]) else None for name, pull in above.items()}
+    known = published[f"inching_{wheel}"].value / published[f"rolling_{wheel}"].value
+    return Ratio(wheel, inching.order.law, inching.maximum / rolling.maximum, at, known)
 
 
 def drawbar_document(curves: Sequence[Curve]) -> dict[str, Any]:
@@ -144,8 +153,17 @@ def drawbar_table(curves: Sequence[Curve]) -> "Table":
 def ratio_lines(curves: Sequence[Curve]) -> str:
     """What inching gains, beside what was published."""
     return "\n".join(
-        f"inching / rolling, {one.wheel} wheels, {one.law}: {one.value:.2f} (published {one.published:.2f})"
+        f"inching / rolling, {one.wheel} wheels, {one.law}: maxima {one.value:.2f} "
+        f"(published {one.published:.2f}); {_at_reductions(one)}"
         for one in ratios(curves)
+    )
+
+
+def _at_reductions(ratio: Ratio) -> str:
+    return ", ".join(
+        f"at {float(name):.0%} travel reduction {value:.2f}"
+        for name, value in ratio.at_travel_reduction.items()
+        if value is not None
     )
 
 

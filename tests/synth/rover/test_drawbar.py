@@ -63,9 +63,10 @@ def test_loads_rise_until_the_vehicle_is_pulled_back(scarab):
     ) == pytest.approx(4 * 2e3 * 0.5 / scarab.weight, rel=0.03)
 
 
-def test_steps_get_finer_as_the_vehicle_slows():
-    points = [DrawbarPoint(0.2, 0.05, reduction, ()) for reduction in (0.1, 0.3, 0.6)]
-    steps = [LoadSteps(coarse=0.04).following([point]) - 0.2 for point in points]
+def test_steps_get_finer_where_a_load_takes_much():
+    before = DrawbarPoint(0.1, 0.05, 0.5, ())
+    points = [DrawbarPoint(0.2, 0.05, reduction, ()) for reduction in (0.51, 0.55, 0.7)]
+    steps = [LoadSteps(coarse=0.04).following([before, point]) - 0.2 for point in points]
     assert steps == pytest.approx([0.04, 0.02, 0.01])
 
 

@@ -52,6 +52,7 @@ def test_maximum_is_where_the_vehicle_stands():
 def test_ratio_of_the_gaits_stands_beside_the_published_one():
     (ratio,) = ratios([curve("rolling", standing=0.2), curve("inching", standing=0.3)])
     assert ratio.value == pytest.approx(1.5)
+    assert ratio.at_travel_reduction["0.4"] == pytest.approx(1.5)
     assert ratio.published == pytest.approx(1.375)
 
 
