@@ -29,8 +29,9 @@ class LoadSteps:
     Attributes
     ----------
     loads : tuple of float
-        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that where the
-        last one took more than 3 % of travel, a quarter where more than 10 %, until the vehicle is pulled back.
+        Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that where
+        the last one took more than 3 % of travel, a quarter where more than 10 %, until the vehicle is
+        pulled back.
     coarse : float
     """
 
