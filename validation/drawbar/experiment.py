@@ -4,13 +4,15 @@ import hashlib
 import json
 import os
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, ProcessPoolExecutor, wait
+from concurrent.futures import FIRST_COMPLETED, Future, wait
 from multiprocessing import get_context
+from multiprocessing.managers import SyncManager
 from pathlib import Path
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
 from validation.drawbar.curve import Curve, CurveOrder
+from validation.processes import end_with_parent, worker_processes
 from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 from validation.versions import package_version
@@ -111,18 +113,11 @@ def _longest_first(orders: Sequence[CurveOrder]) -> list[CurveOrder]:
 def _in_parallel(
     orders: Sequence[CurveOrder], folder: Path, processes: int, progress: Callable[[int, int], None]
 ) -> None:
-    context = get_context("spawn")
-    with context.Manager() as manager:
+    manager = SyncManager(ctx=get_context("spawn"))
+    manager.start(initializer=end_with_parent)
+    with manager, worker_processes(processes) as pool:
         told = manager.Queue()
-        pool = ProcessPoolExecutor(processes, mp_context=context)
-        try:
-            _watch([pool.submit(_carry_out_one, order, folder, told) for order in orders], told, progress)
-        except BaseException:
-            for process in list(getattr(pool, "_processes", {}).values()):
-                process.terminate()  # files have their names only when they are whole
-            raise
-        finally:
-            pool.shutdown(wait=True, cancel_futures=True)
+        _watch([pool.submit(_carry_out_one, order, folder, told) for order in orders], told, progress)
 
 
 def _watch(futures: Sequence[Future[None]], told: Any, progress: Callable[[int, int], None]) -> None:

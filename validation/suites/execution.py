@@ -3,17 +3,16 @@
 import os
 import shutil
 import tempfile
-import threading
 import traceback
 from collections.abc import Callable, Iterator
-from concurrent.futures import Future, ProcessPoolExecutor, as_completed
+from concurrent.futures import Future, as_completed
 from dataclasses import dataclass
 from functools import cache
 from itertools import groupby
-from multiprocessing import get_context, parent_process
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from validation.processes import worker_processes
 from validation.run_folder import PARTIAL_PREFIX, RunFolder
 from validation.suites.plan import Look, Motion, Realisation, Suite
 from validation.terminal import Terminal, error_line
@@ -108,28 +107,8 @@ def carry_out(suite: Suite, out: Path, *, processes: int | None = None, terminal
 
 
 def _in_parallel(tasks: list[Task], processes: int, progress: Callable[[int, int], None]) -> list[Failure]:
-    # Fresh processes: a forked one would share taichi's threads with its parent.
-    pool = ProcessPoolExecutor(processes, mp_context=get_context("spawn"), initializer=_end_with_the_suite)
-    try:
+    with worker_processes(processes) as pool:
         return _collected({pool.submit(carry_out_task, task): task for task in tasks}, progress)
-    except BaseException:
-        for process in list(getattr(pool, "_processes", {}).values()):
-            process.terminate()  # files have their names only when they are whole
-        raise
-    finally:
-        pool.shutdown(wait=True, cancel_futures=True)
-
-
-def _end_with_the_suite() -> None:
-    """Let a killed suite leave no process behind that still simulates, and holds its folder."""
-
-    def watch() -> None:
-        parent = parent_process()
-        if parent is not None:
-            parent.join()
-            os._exit(1)  # files have their names only when they are whole
-
-    threading.Thread(target=watch, daemon=True).start()
 
 
 def _collected(

@@ -2,10 +2,6 @@
 
 import csv
 import json
-import subprocess
-import sys
-import time
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -94,31 +90,3 @@ def test_results(out):
 def test_command(softbed, tmp_path):
     status, _, err = softbed("suite", "everything", tmp_path)
     assert status == 2 and "allowed are smoke" in err
-
-
-KILLED = """
-import os, sys, time
-from concurrent.futures import ProcessPoolExecutor
-from multiprocessing import get_context
-from validation.suites.execution import _end_with_the_suite
-
-if __name__ == "__main__":
-    pool = ProcessPoolExecutor(1, mp_context=get_context("spawn"), initializer=_end_with_the_suite)
-    print(pool.submit(os.getpid).result(), flush=True)
-    pool.submit(time.sleep, 60)
-    time.sleep(60)
-"""
-
-
-@pytest.mark.skipif(not Path("/proc").is_dir(), reason="processes are looked for in /proc")
-def test_a_killed_suite_leaves_no_process_behind(tmp_path):
-    script = tmp_path / "killed.py"
-    script.write_text(KILLED, encoding="utf-8")
-    with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as parent:
-        worker = int(parent.stdout.readline())
-        parent.kill()
-    for _ in range(100):
-        if not Path(f"/proc/{worker}").exists() or "Z" in Path(f"/proc/{worker}/stat").read_text().split()[2]:
-            return
-        time.sleep(0.1)
-    pytest.fail("the process goes on")
