@@ -409,7 +409,7 @@ def test_an_interrupted_run_leaves_nothing_half_written(tmp_path, tiny_scene):
     assert process.stdout.readline() == "measuring\n"
     time.sleep(0.2)
     process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=30)
+    _, error = process.communicate(timeout=120)
     assert process.returncode == 130
     assert "Traceback" not in error
     assert error.splitlines()[-1].startswith("softbed: interrupted")

@@ -84,7 +84,7 @@ def test_every_quantity_is_published_with_its_place_and_in_words(experiment):
 
 def test_tables_name_their_source():
     for path in REFERENCE_FOLDER.glob("*.csv"):
-        assert path.read_text(encoding="utf-8").startswith("# Source: "), path.name
+        assert path.read_text(encoding="utf-8").startswith(("# Source: ", "# Sources:")), path.name
         rows = [line for line in path.read_text(encoding="utf-8").splitlines() if not line.startswith("#")]
         assert len({len(row) for row in csv.reader(rows)}) == 1, path.name
 
