@@ -1,11 +1,9 @@
 """`truth.nc` on disk."""
 
-from concurrent.futures import ThreadPoolExecutor
 from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from synth.deflate import deflated_chunk
-from synth.devices import thread_count
 from synth.truth import CAMERA_VARIABLES, VARIABLES, PairTruth, file_attributes
 
 if TYPE_CHECKING:
@@ -38,9 +36,6 @@ class TruthWriter:
             self._variable(name, dtype, unit, meaning)
         # h5netcdf has no way to write a chunk that is compressed already; h5py, below it, has.
         self._chunks = {name: self._file[name]._h5ds.id for name in VARIABLES}
-        self._camera = {name: self._file[name]._h5ds for name in CAMERA_VARIABLES}
-        # A kernel holds the interpreter; in the pauses between two, several chunks get on instead of one.
-        self._pool = ThreadPoolExecutor(thread_count(), thread_name_prefix="truth writer")
 
     def _by_pair(self, name: str, values: "np.ndarray", unit: str, meaning: str) -> None:
         variable = self._file.create_variable(name, ("pair",), data=values)
@@ -63,22 +58,14 @@ class TruthWriter:
 
     def write(self, pair: int, truth: PairTruth) -> None:
         """Write the truth of a pair."""
-        for name, variable in self._camera.items():
-            variable[pair] = truth.camera[name]
-        for name, chunk in zip(VARIABLES, self._pool.map(deflated_chunk, _values(truth)), strict=True):
-            self._chunks[name].write_direct_chunk((pair, 0, 0), chunk)
+        for name in CAMERA_VARIABLES:
+            self._file.variables[name][pair] = truth.camera[name]
+        for name, (dtype, _, _) in VARIABLES.items():
+            values = truth.arrays[name].astype("int8" if dtype == "bool" else dtype, copy=False)
+            self._chunks[name].write_direct_chunk((pair, 0, 0), deflated_chunk(values))
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
-        self._pool.shutdown()
         self._file.close()
-
-
-def _values(truth: PairTruth) -> "list[np.ndarray]":
-    """What is written of a pair, in the order of `VARIABLES` and in the file's data types."""
-    return [
-        truth.arrays[name].astype("int8" if dtype == "bool" else dtype, copy=False)
-        for name, (dtype, _, _) in VARIABLES.items()
-    ]
