@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from synth.rover.law.response import SoilError
 from synth.rover.law.rim import carried
-from synth.rover.law.rim_law import ELEMENTS, RimLaw
+from synth.rover.law.rim_law import RimLaw
 from synth.rover.law.touch import Touch
 
 
@@ -46,6 +46,11 @@ class BekkerSoil:
     stiffness: float
     cohesion: float = 0.0
 
+    @property
+    def rut_share(self) -> float:
+        """Soil does not come back: Bekker's wheel leaves a rut as deep as it sank."""
+        return 1.0
+
     def __post_init__(self) -> None:
         for field in fields(self):
             value = getattr(self, field.name)
@@ -53,29 +58,8 @@ class BekkerSoil:
                 raise SoilError(f"{field.name} = {value}: above 0 is allowed")
 
 
-class BekkerLaw(RimLaw):
-    """Pressure normal to the rim, shear along it.
-
-    Parameters
-    ----------
-    soil : BekkerSoil
-    rim_stiffness : float, optional
-        Of a pneumatic wheel, Pa/m; default: a rigid wheel.
-    element_count : int
-        Of the lower 160 degrees of each rim.
-    """
-
-    def __init__(
-        self, soil: BekkerSoil, *, rim_stiffness: float | None = None, element_count: int = ELEMENTS
-    ) -> None:
-        # Soil does not come back: Bekker's wheel leaves a rut as deep as it sank.
-        super().__init__(
-            rut_share=1.0,
-            soil_stiffness=soil.stiffness,
-            rim_stiffness=rim_stiffness,
-            element_count=element_count,
-        )
-        self.soil = soil
+class BekkerLaw(RimLaw[BekkerSoil]):
+    """Pressure normal to the rim, shear along it."""
 
     def reset(self) -> None:
         """Forget ruts, pressure and how far the soil was sheared."""

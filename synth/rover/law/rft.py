@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from synth.rover.law.response import SoilError, generic_response
 from synth.rover.law.rim import carried
-from synth.rover.law.rim_law import ELEMENTS, RimLaw
+from synth.rover.law.rim_law import RimLaw
 from synth.rover.law.touch import Touch
 
 _LEASH = 0.005
@@ -84,28 +84,8 @@ class Flow:
         return self.pressure * self.into - self.shear * self.along
 
 
-class ResistiveForceLaw(RimLaw):
-    """Resistive force theory as the yield surface of elastic elements.
-
-    Parameters
-    ----------
-    soil : ResistiveSoil
-    rim_stiffness : float, optional
-        Of a pneumatic wheel, Pa/m; default: a rigid wheel.
-    element_count : int
-        Of the lower 160 degrees of each rim.
-    """
-
-    def __init__(
-        self, soil: ResistiveSoil, *, rim_stiffness: float | None = None, element_count: int = ELEMENTS
-    ) -> None:
-        super().__init__(
-            rut_share=soil.rut_share,
-            soil_stiffness=soil.stiffness,
-            rim_stiffness=rim_stiffness,
-            element_count=element_count,
-        )
-        self.soil = soil
+class ResistiveForceLaw(RimLaw[ResistiveSoil]):
+    """Resistive force theory as the yield surface of elastic elements."""
 
     def reset(self) -> None:
         """Forget ruts, tractions and which way the soil flowed."""

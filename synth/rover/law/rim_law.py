@@ -2,6 +2,7 @@
 
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
+from typing import Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,7 +21,24 @@ _RELAXATION = 0.15
 """Share of what an elastic rim is off its rest by that it moves in a step, at most."""
 
 
-class RimLaw(ABC):
+class RimSoil(Protocol):
+    """What every law has to know of a soil: see `ResistiveSoil`, `BekkerSoil`."""
+
+    @property
+    def stiffness(self) -> float:
+        """Of pressure that is elastic, Pa/m."""
+        ...
+
+    @property
+    def rut_share(self) -> float:
+        """Depth of the rut behind a wheel / depth of the wheel below the surface before."""
+        ...
+
+
+Soil = TypeVar("Soil", bound=RimSoil)
+
+
+class RimLaw(ABC, Generic[Soil]):
     """All wheels at once; rims are rigid or elastic.
 
     An elastic rim is a row of radial springs on the hub (Winkler's foundation): an element gives way by
@@ -28,36 +46,26 @@ class RimLaw(ABC):
 
     Parameters
     ----------
-    rut_share : float
-        Depth of the rut behind a wheel / depth of the wheel below the surface before.
-    soil_stiffness : float
-        Elastic, Pa/m.
+    soil : RimSoil
     rim_stiffness : float, optional
-        Pressure / deflection, Pa/m; default: rigid.
+        Of a pneumatic wheel, pressure / deflection, Pa/m; default: rigid.
     element_count : int
         Of the lower 160 degrees of each rim.
 
     Attributes
     ----------
-    soil_stiffness : float
-        Pa/m.
+    soil : RimSoil
     pressure, shear : ndarray, shape (wheel_count, element_count)
         Of the soil on the elements, Pa: against the outward normal, and along the tangent.
     """
 
     def __init__(
-        self,
-        *,
-        rut_share: float,
-        soil_stiffness: float,
-        rim_stiffness: float | None = None,
-        element_count: int = ELEMENTS,
+        self, soil: Soil, *, rim_stiffness: float | None = None, element_count: int = ELEMENTS
     ) -> None:
         if rim_stiffness is not None and not rim_stiffness > 0:
             raise SoilError(f"rim_stiffness = {rim_stiffness}: above 0 Pa/m, or none at all, is allowed")
-        self.soil_stiffness = soil_stiffness
-        self._rut_share, self._rim_stiffness, self._element_count = rut_share, rim_stiffness, element_count
-        stiffness_ratio = 0.0 if rim_stiffness is None else rim_stiffness / soil_stiffness
+        self.soil, self._rim_stiffness, self._element_count = soil, rim_stiffness, element_count
+        stiffness_ratio = 0.0 if rim_stiffness is None else rim_stiffness / soil.stiffness
         self._relaxation = min(_RELAXATION, 0.5 * stiffness_ratio)
         self._wheels: tuple[PlacedWheel, ...] = ()
 
@@ -75,7 +83,7 @@ class RimLaw(ABC):
         self._tracks = Tracks(
             [self._track_names.index(wheel.track) for wheel in self._wheels],
             spacing=float(self._rims.radius.min()) / _COLUMNS_A_RADIUS,
-            share=self._rut_share,
+            share=self.soil.rut_share,
         )
         shape = (len(self._wheels), self._element_count)
         self.pressure, self.shear = np.zeros(shape), np.zeros(shape)

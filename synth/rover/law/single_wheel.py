@@ -117,7 +117,7 @@ def lead(law: RimLaw, wheels: Sequence[PlacedWheel], paths: Paths) -> WheelRecor
         paths.x, paths.angle, paths.load, step_x, step_angle, strict=True
     ):
         depth = np.maximum(radius - z, _SHALLOWEST * radius)
-        stiffness = law.soil_stiffness * width * 2 * np.sqrt(2 * radius * depth)
+        stiffness = law.soil.stiffness * width * 2 * np.sqrt(2 * radius * depth)
         fall = _PERSISTENCE * fall + _RESPONSE * (load - lifted) / stiffness
         fall = np.clip(fall, -_GREATEST_FALL * radius, _GREATEST_FALL * radius)
         z = z - fall
