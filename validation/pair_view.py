@@ -135,7 +135,7 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
         truth = footage.truth(pair).load()
     found = find_strata(truth)
     here = found.masks["all"]
-    motion = _motion_of(truth, found)
+    motion = true_motion(truth, found)
     measured = {}
     for method in methods:
         with soft.read_soil_flow(run.analysis(method.slug)) as flow:
@@ -146,12 +146,9 @@ def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]
     return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units, line)
 
 
-def true_motion(truth: "xr.Dataset") -> Motion:
-    """What the soil of one pair did, from its truth (over `y, x`)."""
-    return _motion_of(truth, find_strata(truth))
-
-
-def _motion_of(truth: "xr.Dataset", found: Strata) -> Motion:
+def true_motion(truth: "xr.Dataset", found: Strata | None = None) -> Motion:
+    """What the soil of one pair did, from its truth (over `y, x`) and, where they are known, its strata."""
+    found = found or find_strata(truth)
     here = found.masks["all"]
     u, v = truth["u"].values - found.camera_u, truth["v"].values
     return Motion(np.where(here, u, np.nan), np.where(here, v, np.nan))

@@ -97,9 +97,10 @@ def _true_shots(footage: "Footage", sequence: "ImageSequence", units: "Units") -
     stride = stride_of(sequence.shape)
     for pair in range(footage.pair_count):
         truth = footage.truth(pair)
-        motion = true_motion(truth)
+        found = find_strata(truth)
+        motion = true_motion(truth, found)
         maps = (None, reduced(units.speed * motion.speed, stride), reduced(motion.shown_direction, stride))
-        picture, lines = smoothed(sequence[pair], stride), true_interface(truth, find_strata(truth)).lines
+        picture, lines = smoothed(sequence[pair], stride), true_interface(truth, found).lines
         yield Shot(label_of(footage.truths, pair), picture, maps, ((), lines, lines))
 
 

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     import xarray as xr
 
     from synth import Footage
+    from validation.truth_pass import TruePair
 
 MEASURE = f"{__name__}:measure"
 RIGID, COMPLIANT = "rolling_wheel", "compliant_wheel"
@@ -36,14 +37,13 @@ def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
     import soft
 
     mean = soft.average_flow(flow)
-    tally = AveragingTally()
+    tally, truth = AveragingTally(), _TrueMotion()
     if AveragingTally.suits(flow):
-        pass_over(footage, {"this": flow}, {"this": [tally]})
+        pass_over(footage, {"this": flow}, {"this": [tally, truth]})
     score = tally.result()
     if score is None:
         return xr.Dataset()
     gain, moving = mean.gain, flow["moving"]
-    true = _true_mean(footage)
     found = [bool(moving.isel(pair=pair).values.any()) for pair in range(flow.sizes["pair"])]
     return xr.Dataset(
         {
@@ -56,31 +56,38 @@ def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
             "averaging_found": ("pair", np.array(found, float)),
             "averaging_mean_found": float(mean.moving_region().found),
             "averaging_speed": _top_speed(mean.u, mean.v),
-            "averaging_true_speed": _top_speed(*true),
-            "averaging_pair_speed": ("pair", _pair_speeds(footage)),
+            "averaging_true_speed": _top_speed(*truth.mean()),
+            "averaging_pair_speed": ("pair", truth.speeds),
         }
     )
 
 
-def _true_mean(footage: "Footage") -> np.ndarray:
-    """True inertial motion averaged over all pairs, (2, H, W); NaN where there was none."""
-    total, count = np.zeros(0), np.zeros(0)
-    for pair in range(footage.pair_count):
-        motion = true_motion(footage.truth(pair))
+class _TrueMotion:
+    """True inertial motion of soil over all pairs: its mean, and the speed of each pair.
+
+    Attributes
+    ----------
+    speeds : list of float
+        What 1 % of the soil exceeds in each pair, px.
+    """
+
+    def __init__(self) -> None:
+        self.speeds: list[float] = []
+        self._total, self._count = np.zeros(0), np.zeros(0)
+
+    def add(self, true: "TruePair", flow: "xr.Dataset") -> None:
+        """Add one pair; the flow does not matter."""
+        motion = true_motion(true.data, true.strata)
+        self.speeds.append(_top_speed(motion.u, motion.v))
         vectors = np.stack([motion.u, motion.v]).astype(np.float64)
         known = np.isfinite(vectors).all(axis=0)
-        total = np.where(known, vectors, 0.0) + (total if total.size else 0.0)
-        count = known.astype(float) + (count if count.size else 0.0)
-    with np.errstate(invalid="ignore", divide="ignore"):
-        return np.asarray(total / count)
+        self._total = np.where(known, vectors, 0.0) + (self._total if self._total.size else 0.0)
+        self._count = known.astype(float) + (self._count if self._count.size else 0.0)
 
-
-def _pair_speeds(footage: "Footage") -> list[float]:
-    """The same percentile of the true speed in every pair."""
-    return [
-        _top_speed(motion.u, motion.v)
-        for motion in (true_motion(footage.truth(pair)) for pair in range(footage.pair_count))
-    ]
+    def mean(self) -> np.ndarray:
+        """Averaged over all pairs, (2, H, W) px; NaN where there was none."""
+        with np.errstate(invalid="ignore", divide="ignore"):
+            return np.asarray(self._total / self._count)
 
 
 def _top_speed(u: np.ndarray, v: np.ndarray) -> float:
