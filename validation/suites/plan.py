@@ -3,12 +3,14 @@
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from validation.manifest import key_of
 
 if TYPE_CHECKING:
     from synth.scene import AnyScene
+    from validation.suites.execution import Failure
 
 
 _PICTURE_SEEDS = 1000
@@ -184,6 +186,15 @@ class Suite:
         from dataclasses import replace
 
         return replace(self, methods=(*self.methods, *(m for m in methods if m not in self.methods)))
+
+    def write_own_page(
+        self, out: Path, failures: "Sequence[Failure]", *, command: str
+    ) -> dict[str, Any] | None:
+        """Write a page of its own from the measurements in OUT; return what the suite's JSON says of it.
+
+        None: it has none, and the page that suites usually have tells it.
+        """
+        return None
 
     @property
     def looks(self) -> tuple[Look, ...]:

@@ -120,13 +120,20 @@ def write_suite_report(
             "boards": [_board(severity, gathered, told, comparisons) for severity in severities],
             "strata": MEANINGS,
             "scenes": _scene_pages(gathered, told, comparisons),
-            "failures": failures,
-            "commands": [command],
-            "versions": package_versions(),
-            "machine": machine(),
-            "program": package_version("softbed"),
+            **how_made(failures, command),
         },
     )
+
+
+def how_made(failures: Sequence[Failure], command: str) -> dict[str, Any]:
+    """What any suite's page says of its making; `command` is what a person types to get all of it again."""
+    return {
+        "failures": failures,
+        "commands": [command],
+        "versions": package_versions(),
+        "machine": machine(),
+        "program": package_version("softbed"),
+    }
 
 
 def _facts(suite: Suite, looks: Sequence[Look]) -> dict[str, str]:

@@ -47,10 +47,8 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
         "machine": machine(),
         **headline_document(headlines(lines), compared),
     }
-    if suite.name == "paper":
-        from validation.suites.paper.results import conclude
-
-        document |= conclude(suite, out, failures, command=command)
+    own_page = suite.write_own_page(out, failures, command=command)
+    document |= own_page or {}
     _replace(out / f"{suite.name}.csv", lambda path: write_csv(lines, path))
     if lines:
         _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
@@ -58,7 +56,7 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
     _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
     if suite.name == "anchor" and lines and not failures:
         _replace(out / anchor.FILE, lambda path: anchor.write_anchor(lines, path))
-    if lines and suite.name != "paper":  # which has a page of its own
+    if lines and own_page is None:
         page = partial(write_suite_report, suite=suite, gathered=gathered, comparisons=compared)
         _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
         about = {name: document[name] for name in ("suite", "measured", "of", "versions", "machine")}

@@ -1,10 +1,16 @@
 """What the suite `paper` looks at, and with how many pairs: `soft-2014` takes half a minute each."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
 
 from validation.suites.paper import averaging, bucket, piv, rotation, shown, sift, speed, thrust
 from validation.suites.paper.verdict import JUDGED
 from validation.suites.plan import Look, Motion, Realisation, Suite
+
+if TYPE_CHECKING:
+    from validation.suites.execution import Failure
 
 SEVERITIES = (JUDGED.severity, "clean")
 METHODS = (JUDGED.method, "robust-affine")
@@ -54,6 +60,12 @@ SERIES = (
 
 class PaperSuite(Suite):
     """A suite whose looks also measure what the experiments need; PIV looks at the plate."""
+
+    def write_own_page(self, out: Path, failures: "Sequence[Failure]", *, command: str) -> dict[str, Any]:
+        """Experiment by experiment, with the verdicts."""
+        from validation.suites.paper.results import conclude
+
+        return conclude(self, out, failures, command=command)
 
     def _looks_at(self, realisation: Realisation) -> list[Look]:
         further = _FURTHER[realisation.motion.scene]

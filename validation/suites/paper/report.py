@@ -13,7 +13,7 @@ from validation.suites.paper.conclusion import Conclusion, experiments
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found
 from validation.suites.paper.verdict import JUDGED, Row, number, our_words, published_words
-from validation.versions import machine, package_version, package_versions
+from validation.suites.report import how_made
 
 _MARKS = {"reproduced": "yes", "differs": "no", "not measured": "open"}
 
@@ -80,13 +80,8 @@ def write_paper_report(
         What a person types to get all of it again.
     """
     sections = [_section(experiment, found, conclusion) for experiment in experiments()]
-    write_page(path, "paper.html.j2", _content(sections, found, conclusion) | {
-        "failures": failures,
-        "commands": [command],
-        "versions": package_versions(),
-        "machine": machine(),
-        "program": package_version("softbed"),
-    })  # fmt: skip
+    content = _content(sections, found, conclusion) | how_made(failures, command)
+    write_page(path, "paper.html.j2", content)
 
 
 def _content(sections: list[Section], found: Found, conclusion: Conclusion) -> dict[str, Any]:
