@@ -11,6 +11,7 @@ from validation.manifest import key_of
 if TYPE_CHECKING:
     from synth.scene import AnyScene
     from validation.suites.execution import Failure
+    from validation.suites.table import Line
 
 
 _PICTURE_SEEDS = 1000
@@ -195,6 +196,9 @@ class Suite:
         None: it has none, and the page that suites usually have tells it.
         """
         return None
+
+    def write_more(self, lines: "Sequence[Line]", out: Path) -> None:
+        """Write what this suite is for besides table and page; called once all of it is measured."""
 
     @property
     def looks(self) -> tuple[Look, ...]:

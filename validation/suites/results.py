@@ -10,7 +10,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.statistics import Interval
-from validation.suites import anchor
 from validation.suites.execution import Failure
 from validation.suites.gathered import gather
 from validation.suites.headline import GROUP, comparisons, group_title, headline_document, headlines
@@ -54,8 +53,8 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
         _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
     text = json.dumps(document, indent=1, allow_nan=False) + "\n"
     _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
-    if suite.name == "anchor" and lines and not failures:
-        _replace(out / anchor.FILE, lambda path: anchor.write_anchor(lines, path))
+    if lines and not failures:
+        suite.write_more(lines, out)
     if lines and own_page is None:
         page = partial(write_suite_report, suite=suite, gathered=gathered, comparisons=compared)
         _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
