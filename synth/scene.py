@@ -345,7 +345,8 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
         tables["quick"] = overrides
     elif overrides is not None:
         smaller = {**_merged(tables, overrides, path, "quick"), "quick": True}
-        # faults in there are told at once, asked for or not
+        # faults of either version are told at once, whichever is asked for
+        parse_scene(tables, source=str(path), folder=path.parent)
         parse_scene(smaller, source=f"{path}: with [quick]", folder=path.parent)
         tables = smaller if quick else tables
     if quick and not tables.get("quick"):

@@ -130,6 +130,14 @@ def test_unknown_key_in_quick_is_refused(tmp_path):
             load_scene(path, quick=quick)
 
 
+def test_a_fault_that_the_quick_version_would_hide_is_told(tmp_path):
+    path = tmp_path / "mine.toml"
+    path.write_text('base = "rolling_wheel"\n[bed]\ngrain_diameter = -1.0\n')
+    for quick in (False, True):
+        with pytest.raises(SceneError, match=r"mine\.toml: bed\.grain_diameter = -1\.0: "):
+            load_scene(path, quick=quick)
+
+
 def test_quick_cannot_be_asked_of_a_resolved_full_scene(tmp_path):
     path = tmp_path / "scene.toml"
     path.write_text(load_scene("rolling_wheel").to_toml())
