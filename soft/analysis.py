@@ -71,7 +71,7 @@ def analyze(
     soil : str, optional
         `bright`, `dark` or `all`, as in `soil_mask`.
     camera : str, optional
-        `median`, `mode` or `rigid`, as in `to_inertial`.
+        `median`, `mode` or `far`, as in `to_inertial`.
     vertical : bool, optional
         Take the vertical camera motion out too, as in `to_inertial`; by default it is left as measured.
     seed : int, optional
@@ -223,7 +223,7 @@ def _camera_rule(settings: PairSettings) -> str:
     found = {
         "median": "median",
         "mode": "mode (Lorentzian location around it)",
-        "rigid": "rigid (median weighted by how little soil deforms)",
+        "far": "far (what motion tends to far from the fastest soil)",
     }[settings.camera]
     vertical = "taken out too" if settings.vertical else "left as measured"
     return f"{found} of horizontal displacement over soil taken out, vertical {vertical}"

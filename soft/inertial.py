@@ -4,10 +4,10 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from soft.far_soil import far_locations
 from soft.location import Location, median_location, mode_locations
-from soft.rigid_soil import rigidity
 
-CAMERA_CHOICES = ("median", "mode", "rigid")
+CAMERA_CHOICES = ("median", "mode", "far")
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,8 +54,8 @@ def to_inertial(
     camera : str, optional
         `median` over soil, as most soil in view rests (section 2.2); or `mode`, the motion that most soil
         shares, which is right where more than half of it moves, as moving soil moves in many ways; or
-        `rigid`, the median in which soil counts the less the more it deforms (`soft.rigid_soil`), which
-        is right where soil gives way over half of the picture.
+        `far`, what motion tends to far from the implement (`soft.far_soil`), which is right where no soil
+        in view rests.
 
     Raises
     ------
@@ -75,9 +75,8 @@ def _located(
     on_soil: np.ndarray, soil: np.ndarray, *, vertical: bool, camera: str
 ) -> tuple[Location, Location]:
     as_measured = Location(0.0, np.nan, np.nan)
-    if camera == "mode":
-        u, v = mode_locations(on_soil)
-        return u, v if vertical else as_measured
-    weight = rigidity(on_soil, soil) if camera == "rigid" else None
-    across, down = on_soil[:, :, 0], on_soil[:, :, 1]
-    return median_location(across, weight), median_location(down, weight) if vertical else as_measured
+    if camera == "median":
+        across, down = on_soil[:, :, 0], on_soil[:, :, 1]
+        return median_location(across), median_location(down) if vertical else as_measured
+    u, v = mode_locations(on_soil) if camera == "mode" else far_locations(on_soil, soil)
+    return u, v if vertical else as_measured

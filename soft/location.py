@@ -47,7 +47,7 @@ class Location:
 UNKNOWN = Location(np.nan, np.nan, np.nan)
 
 
-def median_location(field: np.ndarray, weight: np.ndarray | None = None) -> Location:
+def median_location(field: np.ndarray) -> Location:
     """Median, and the interval between the order statistics that bound it with 95 % confidence.
 
     The share of values below the median would be 1/2 but for errors; by how much it errs is told by blocks.
@@ -58,31 +58,32 @@ def median_location(field: np.ndarray, weight: np.ndarray | None = None) -> Loca
     ----------
     field : (H, W) array
         NaN where there is no value.
-    weight : (H, W) array, optional
-        How much each counts, 0 or more; all alike by default.
     """
-    counted = np.isfinite(field) if weight is None else np.isfinite(field) & (weight > 0)
+    counted = np.isfinite(field)
     values = field[counted]
     if not values.size:
         return UNKNOWN
-    weights = None if weight is None else weight[counted].astype(np.float64)
-    median = float(_quantiles(values, weights, [0.5])[0])
+    median = float(np.median(values))
     with np.errstate(invalid="ignore"):
         # Half of the values that are the median itself lie on either side.
         side = ((field > median).astype(np.float64) - (field < median)) / 2
-    if weight is not None:
-        side = np.where(counted, side * weight, 0.0)
-    half = _half_width(side, counted) / (values.size if weights is None else float(weights.sum()))
+    half = _half_width(side, counted) / values.size
     if not np.isfinite(half):
         return Location(median, np.nan, np.nan)
-    low, high = _quantiles(values, weights, [max(0.0, 0.5 - half), min(1.0, 0.5 + half)])
+    low, high = np.quantile(values, [max(0.0, 0.5 - half), min(1.0, 0.5 + half)])
     return Location(median, float(low), float(high))
 
 
-def _quantiles(values: np.ndarray, weights: np.ndarray | None, shares: list[float]) -> np.ndarray:
-    """Values (N,) below which so much of the weight lies; between two, in proportion."""
-    if weights is None:
-        return np.asarray(np.quantile(values, shares))
+def weighted_quantiles(values: np.ndarray, weights: np.ndarray, shares: list[float]) -> np.ndarray:
+    """Values below which so much of the weight lies; between two, in proportion.
+
+    Parameters
+    ----------
+    values, weights : (N,) array
+        At least one weight above 0.
+    shares : list of float
+        From 0 to 1.
+    """
     order = np.argsort(values)
     weights = weights[order]
     # Each value stands in the middle of its own weight.

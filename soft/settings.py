@@ -97,10 +97,10 @@ class SoilSettings(_Table):
 class CameraSettings(_Table):
     """The camera's own motion."""
 
-    motion: Literal["median", "mode", "rigid"] = Field(
+    motion: Literal["median", "mode", "far"] = Field(
         "median",
         description="median over soil; or, where over half of it moves, mode: what most soil shares, "
-        "or rigid: median of soil by how little it deforms",
+        "or far: what motion tends to far from where soil moves fastest",
     )
     vertical: bool = Field(False, description="take its vertical motion out, too")
 

@@ -51,10 +51,10 @@ def test_interval_of_each_component_taken_out():
     assert motion.camera_u_low < motion.camera_u < motion.camera_u_high
     assert motion.camera_u_high - motion.camera_u_low < 0.01
     assert np.isnan([motion.camera_v_low, motion.camera_v_high]).all()
-    for camera in ("median", "mode", "rigid"):
+    for camera in ("median", "mode", "far"):
         both = to_inertial(flow, soil, vertical=True, camera=camera)
         assert both.camera_v_low < 0.5 < both.camera_v_high
-        assert both.camera_u == pytest.approx(-3.0, abs=0.01)
+        assert both.camera_u == pytest.approx(-3.0, abs=0.02)
 
 
 def test_mode_finds_the_camera_where_most_soil_moves():
@@ -68,30 +68,6 @@ def test_mode_finds_the_camera_where_most_soil_moves():
     assert np.allclose(motion.displacement[100:, :, 0], 0, atol=1e-3)
 
 
-def test_soil_that_hardly_deforms_finds_the_camera_where_most_soil_gives_way():
-    flow = field(-3.0, 0.0, (128, 160))
-    flow[:100, :, 0] += np.linspace(1.5, 0, 100)[:, None] ** 2
-    flow[:, :, 0] += np.random.default_rng(4).normal(0, 0.02, (128, 160))
-    soil = np.ones((128, 160), bool)
-    assert to_inertial(flow, soil).camera_u > -2.8
-    motion = to_inertial(flow, soil, camera="rigid")
-    assert motion.camera_u == pytest.approx(-3, abs=0.01)
-    assert motion.camera_u_low < -3 < motion.camera_u_high
-
-
-def test_rigid_of_a_grid_of_too_little_soil_and_of_none():
-    flow = field(-3.0, 0.5, (128, 160))
-    flow[:64, :, 0] += np.linspace(3, 0, 64)[:, None]
-    soil = np.ones((128, 160), bool)
-    nodes = np.full_like(flow, np.nan)
-    nodes[8::16, 8::16] = flow[8::16, 8::16]
-    assert to_inertial(nodes, soil, camera="rigid").camera_u == pytest.approx(-3, abs=0.03)
-    sliver = np.zeros_like(soil)
-    sliver[:, 3:5] = True
-    assert np.isfinite(to_inertial(flow, sliver, camera="rigid").camera_u)
-    assert np.isnan(to_inertial(flow, ~soil, camera="rigid").camera_u)
-
-
 def test_other_words_are_refused():
-    with pytest.raises(ValueError, match="camera: 'mean': allowed are median, mode, rigid"):
+    with pytest.raises(ValueError, match="camera: 'mean': allowed are median, mode, far"):
         to_inertial(field(0, 0), np.ones((40, 50), bool), camera="mean")

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from scipy.ndimage import gaussian_filter
 
-from soft.location import median_location, mode_locations
+from soft.location import median_location, mode_locations, weighted_quantiles
 
 TRIALS = 60
 
@@ -64,16 +64,14 @@ def test_values_that_are_all_alike():
     assert u.high - u.low < 1e-6
 
 
-def test_weights_of_one_change_nothing_and_others_count():
-    field = errors(np.random.default_rng(6), 3)
-    plain, weighted = median_location(field), median_location(field, np.full(field.shape, 0.5))
-    for name in ("value", "low", "high"):
-        assert getattr(weighted, name) == pytest.approx(getattr(plain, name), abs=2e-4)
-    half = np.zeros(field.shape)
-    half[:, 80:] = 1.0
-    field[:, :80] += 5.0
-    assert median_location(field, half).value == pytest.approx(np.median(field[:, 80:]), abs=1e-4)
-    assert np.isnan(median_location(field, 0 * half).value)
+def test_weighted_quantiles():
+    values = np.random.default_rng(6).normal(size=1000)
+    shares = [0.1, 0.5, 0.9]
+    assert weighted_quantiles(values, np.full(1000, 0.5), shares) == pytest.approx(
+        np.quantile(values, shares), abs=0.02
+    )
+    # A value of weight 3 is three values.
+    assert weighted_quantiles(np.array([5.0, 1.0, 2.0]), np.array([1.0, 3.0, 1.0]), [0.3])[0] == 1.0
 
 
 def test_nothing_and_too_little():

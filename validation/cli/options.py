@@ -51,10 +51,10 @@ Vertical = Annotated[
     ),
 ]
 Camera = Annotated[
-    Literal["median", "mode", "rigid"] | None,
+    Literal["median", "mode", "far"] | None,
     typer.Option(
         help="Its motion: median over soil; or, where over half of it moves, what most soil shares (mode), "
-        "or the median of soil that hardly deforms (rigid).  [default: median]",
+        "or what motion tends to far from the implement (far).  [default: median]",
         show_default=False,
     ),
 ]
