@@ -94,8 +94,8 @@ class CameraTally:
 
     @classmethod
     def of(cls, flow: "xr.Dataset") -> Self:
-        """For a SoilFlow: how it was found is the first word of what the analysis says of it."""
-        return cls(str(flow.attrs.get("camera", "median")).split()[0])
+        """For a SoilFlow."""
+        return cls(camera_of(flow))
 
     def add(self, pair: "TruePair", flow: "xr.Dataset") -> None:
         """Add one pair, unless the truth does not tell the camera's motion, or the method none."""
@@ -125,6 +125,11 @@ class CameraTally:
             flow_range_u=_range((measured - by_soil)[known]),
             soil_range_u=_range((by_soil - true)[known]),
         )
+
+
+def camera_of(flow: "xr.Dataset") -> str:
+    """How a SoilFlow's camera motion was found: the first word of what the analysis says of it."""
+    return str(flow.attrs.get("camera", "median")).split()[0]
 
 
 def _range(values: np.ndarray) -> float | None:

@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.metrics import end_point_error
-from validation.strata import COMPLEX_WITHIN, distance_to, find_strata
+from validation.strata import COMPLEX_WITHIN, Strata, distance_to, find_strata
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +37,7 @@ class Explanation:
         Of its bins, the last one infinite; a value at an edge belongs to the bin above.
     of : callable
         Its value at every pixel of a pair's truth, (H, W), NaN where it has none; the second argument is the
-        camera's motion, px.
+        pair's strata.
     classes : tuple of str
         Names of its bins, where these are classes and not a quantity's ranges.
     """
@@ -45,24 +45,24 @@ class Explanation:
     unit: str
     meaning: str
     edges: tuple[float, ...]
-    of: Callable[["xr.Dataset", float], np.ndarray]
+    of: Callable[["xr.Dataset", Strata], np.ndarray]
     classes: tuple[str, ...] = ()
 
 
-def _variable(name: str) -> Callable[["xr.Dataset", float], np.ndarray]:
+def _variable(name: str) -> Callable[["xr.Dataset", Strata], np.ndarray]:
     return lambda truth, _: np.abs(truth[name].values)
 
 
-def _jump(truth: "xr.Dataset", _: float) -> np.ndarray:
+def _jump(truth: "xr.Dataset", _: Strata) -> np.ndarray:
     near = truth["distance_to_discontinuity"].values <= _NEAR
     return np.where(near, truth["discontinuity_jump"].values, np.nan)
 
 
-def _speed(truth: "xr.Dataset", camera_u: float) -> np.ndarray:
-    return np.hypot(truth["u"].values - camera_u, truth["v"].values)
+def _speed(_: "xr.Dataset", strata: Strata) -> np.ndarray:
+    return strata.speed
 
 
-def _distance_to_lost(truth: "xr.Dataset", _: float) -> np.ndarray:
+def _distance_to_lost(truth: "xr.Dataset", _: Strata) -> np.ndarray:
     """Distance to soil that the second picture shows no more: covered, gone or out of the picture."""
     return distance_to(truth["soil"].values & ~truth["valid"].values)
 
@@ -82,12 +82,12 @@ _STEEP = 0.1
 """1/frame; shear strain, or rad/frame; rotation, from which soil is sheared or turning."""
 
 
-def _cause(truth: "xr.Dataset", _: float) -> np.ndarray:
+def _cause(truth: "xr.Dataset", strata: Strata) -> np.ndarray:
     """Index into CAUSES."""
-    masks = find_strata(truth).masks
+    masks = strata.masks
     complicated = masks["complex"]
     within = (
-        _distance_to_lost(truth, 0.0) <= COMPLEX_WITHIN,
+        _distance_to_lost(truth, strata) <= COMPLEX_WITHIN,
         truth["distance_to_implement"].values <= COMPLEX_WITHIN,
         truth["distance_to_discontinuity"].values <= COMPLEX_WITHIN,
         truth["strain_rate"].values >= _STEEP,
@@ -155,10 +155,10 @@ def error_profile(truth: "xr.Dataset", flow: "xr.Dataset") -> "xr.Dataset":
 
     strata = find_strata(truth)
     everything = strata.masks["all"]
-    errors = _Errors.of(truth, flow, everything, strata.camera_u)
+    errors = _Errors.of(truth, flow, strata)
     found = {}
     for name, explanation in EXPLANATIONS.items():
-        value = explanation.of(truth, strata.camera_u)[everything]
+        value = explanation.of(truth, strata)[everything]
         count = len(explanation.edges) - 1
         # Without the last edge, which is infinite: what is beyond the one before is in the last bin.
         bins = np.digitize(value, explanation.edges[:-1]) - 1
@@ -179,16 +179,18 @@ class _Errors:
     across: np.ndarray
 
     @classmethod
-    def of(cls, truth: "xr.Dataset", flow: "xr.Dataset", chosen: np.ndarray, camera_u: float) -> "_Errors":
+    def of(cls, truth: "xr.Dataset", flow: "xr.Dataset", strata: Strata) -> "_Errors":
+        chosen = strata.masks["all"]
         u, v = (truth[name].values[chosen].astype(np.float64) for name in "uv")
         off_u, off_v = (flow[name].values[chosen] - true for name, true in (("u", u), ("v", v)))
         if "valid" in flow:
             off_u[~flow["valid"].values[chosen].astype(bool)] = np.nan
         measured = np.isfinite(off_u) & np.isfinite(off_v)
         error = np.nan_to_num(end_point_error(off_u, off_v))
-        speed = np.hypot(u - camera_u, v)
+        motion = strata.motion[:, chosen].astype(np.float64)
+        speed = np.hypot(*motion)
         with np.errstate(invalid="ignore", divide="ignore"):
-            direction_u, direction_v = (u - camera_u) / speed, v / speed
+            direction_u, direction_v = motion / speed
         directed = measured & (speed >= _DIRECTED)
         along = np.where(directed, off_u * direction_u + off_v * direction_v, np.nan)
         across = np.where(directed, off_v * direction_u - off_u * direction_v, np.nan)

@@ -8,8 +8,8 @@ import numpy as np
 
 from validation.metrics import end_point_error
 from validation.nodes import difference_at, has_node, stacked
-from validation.regions import true_interface
 from validation.strata import Strata, find_strata
+from validation.truth_pass import TruePair
 
 DIRECTION_ABOVE = 0.3
 """px a frame; slower soil has no direction worth a colour."""
@@ -17,7 +17,6 @@ DIRECTION_ABOVE = 0.3
 if TYPE_CHECKING:
     import xarray as xr
 
-    from soft import ShearInterface
     from soft.figures.units import Units
     from validation.material import Material
     from validation.methods import Method
@@ -111,8 +110,6 @@ class PairView:
         True horizontal displacement by the camera's own motion, px.
     units : soft.figures.units.Units
         Of the pictures.
-    true_interface : soft.ShearInterface
-        The line that the analysis' clustering finds in the true speeds.
     """
 
     pair: int
@@ -122,36 +119,44 @@ class PairView:
     measured: dict[str, Measured]
     camera_u: float
     units: "Units"
-    true_interface: "ShearInterface"
 
 
-def view_pair(run: "RunFolder", material: "Material", methods: "Sequence[Method]", pair: int) -> PairView:
-    """Read one pair of a scored run."""
-    import soft
+def read_true_pair(material: "Material", pair: int) -> TruePair:
+    """Read the truth of one pair of footage."""
     import synth
-    from soft.figures.units import Units
 
     with synth.Footage.open(material.folder) as footage:
-        truth = footage.truth(pair).load()
-    found = find_strata(truth)
-    here = found.masks["all"]
-    motion = true_motion(truth, found)
+        return TruePair(footage.truth(pair).load())
+
+
+def view_pair(
+    run: "RunFolder",
+    material: "Material",
+    methods: "Sequence[Method]",
+    pair: int,
+    *,
+    true: TruePair | None = None,
+) -> PairView:
+    """Read one pair of a scored run; its truth, too, unless that was read before."""
+    import soft
+    from soft.figures.units import Units
+
+    true = true or read_true_pair(material, pair)
+    found = true.strata
     measured = {}
     for method in methods:
         with soft.read_soil_flow(run.analysis(method.slug)) as flow:
-            measured[method.name] = _measured(flow.isel(pair=pair).load(), truth, here)
+            one = flow.isel(pair=pair).load()
+            measured[method.name] = _measured(one, true.data, found.masks["all"])
     sequence = material.sequence
     units = Units.of(metres_per_pixel=sequence.metres_per_pixel, frame_rate=sequence.frame_rate)
-    line = true_interface(truth, found)
-    return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units, line)
+    motion = Motion(*found.motion)
+    return PairView(pair, sequence[pair], motion, found.masks, measured, found.camera_u, units)
 
 
 def true_motion(truth: "xr.Dataset", found: Strata | None = None) -> Motion:
     """What the soil of one pair did, from its truth (over `y, x`) and, where they are known, its strata."""
-    found = found or find_strata(truth)
-    here = found.masks["all"]
-    u, v = truth["u"].values - found.camera_u, truth["v"].values
-    return Motion(np.where(here, u, np.nan), np.where(here, v, np.nan))
+    return Motion(*(found or find_strata(truth)).motion)
 
 
 def _measured(flow: "xr.Dataset", truth: "xr.Dataset", here: np.ndarray) -> Measured:

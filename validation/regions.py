@@ -180,7 +180,7 @@ def true_regions(truth: "xr.Dataset", strata: Strata) -> TrueRegions:
     region, interface = _true_moving(truth, strata)
     shears = region.found and "strain_rate" in truth
     crest = shear_line(truth["strain_rate"].values, soil) if shears else np.empty((0, 2))
-    camera = strata.camera_u, _camera_v(truth)
+    camera = strata.camera_u, strata.camera_v
     return TrueRegions(soil, region.mask, points_along(interface.lines), crest, camera)
 
 
@@ -194,15 +194,8 @@ def _true_moving(truth: "xr.Dataset", strata: Strata) -> "tuple[MovingRegion, Sh
     from soft.shear_interface import shear_interface
 
     soil = truth["soil"].values.astype(bool)
-    speed = np.hypot(truth["u"].values - strata.camera_u, truth["v"].values - _camera_v(truth))
-    speed = np.where(strata.masks["all"], speed, np.nan)
-    region = moving_mask(speed, soil)
-    return region, shear_interface(speed, region.mask, threshold=region.threshold, soil=soil)
-
-
-def _camera_v(truth: "xr.Dataset") -> float:
-    """Vertical displacement by the camera's own motion, px."""
-    return float(truth["camera_v"]) if "camera_v" in truth else 0.0
+    region = moving_mask(strata.speed, soil)
+    return region, shear_interface(strata.speed, region.mask, threshold=region.threshold, soil=soil)
 
 
 def _measured_interface(flow: "xr.Dataset") -> np.ndarray:

@@ -1,7 +1,7 @@
 """Compare soil flow with the truth: `scores.json`."""
 
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from validation.averaging import AveragingScore
-from validation.camera import CameraScore
+from validation.camera import CameraScore, camera_of
 from validation.metrics import ErrorSummary, ErrorTally
 from validation.nodes import difference_at, has_node, stacked
 from validation.regions import RegionScore
 from validation.strata import STRATA
-from validation.truth_pass import TruePair, pass_over
+from validation.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -119,34 +119,6 @@ def _method_from(table: dict[str, Any]) -> MethodScore:
     )
 
 
-def score_flows(
-    footage: "Footage",
-    flows: Mapping[str, "xr.Dataset"],
-    *,
-    progress: Callable[[int, int], None] | None = None,
-) -> dict[str, dict[str, ErrorSummary]]:
-    """Errors of every method in every stratum, over all consecutive picture pairs.
-
-    Parameters
-    ----------
-    footage : synth.Footage
-        Pictures and truth.
-    flows : mapping
-        A SoilFlow over `pair, y, x` for each method's name.
-    progress : callable, optional
-        Called with pairs done and pairs in all.
-
-    Raises
-    ------
-    ScoreError
-        A flow is not of this footage: another size, other pairs.
-    """
-    require_all_match(footage, flows)
-    tallies = {name: StratumTally() for name in flows}
-    pass_over(footage, flows, {name: [tally] for name, tally in tallies.items()}, progress=progress)
-    return {name: tally.result() for name, tally in tallies.items()}
-
-
 def score_pair(truth: "xr.Dataset", flow: "xr.Dataset") -> dict[str, ErrorSummary]:
     """Errors of one method in every stratum of one picture pair; both data sets over `y, x`."""
     tally = StratumTally()
@@ -199,6 +171,8 @@ def require_all_match(footage: "Footage", flows: "Mapping[str, xr.Dataset]") -> 
 
 def require_match(name: str, flow: "xr.Dataset", *, shape: tuple[int, int], pair_count: int) -> None:
     """Refuse a flow that was not measured on pictures of this shape (rows, columns) and number of pairs."""
+    from soft.inertial import CAMERA_CHOICES
+
     measured = (flow.sizes.get("y"), flow.sizes.get("x"))
     if measured != shape:
         raise ScoreError(
@@ -213,6 +187,10 @@ def require_match(name: str, flow: "xr.Dataset", *, shape: tuple[int, int], pair
         first, second = flow["first_frame"].values, flow["second_frame"].values
         if not (np.array_equal(first, np.arange(pair_count)) and np.array_equal(second, first + 1)):
             raise ScoreError(f"analysis of {name}: its pairs are not the footage's consecutive ones")
+    if (camera := camera_of(flow)) not in CAMERA_CHOICES:
+        raise ScoreError(
+            f"analysis of {name}: camera = {camera!r}: allowed are {', '.join(CAMERA_CHOICES)}: analyze again"
+        )
 
 
 def _membership(masks: dict[str, np.ndarray]) -> np.ndarray:

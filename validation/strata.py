@@ -29,18 +29,27 @@ COMPLEX_ABOVE = 0.1
 
 @dataclass(frozen=True, eq=False)
 class Strata:
-    """Masks of one picture pair, (H, W) bool each, and the camera motion they rest on.
+    """Masks of one picture pair, (H, W) bool each, and the motion they rest on.
 
     Attributes
     ----------
     masks : dict
         A mask for every name of `STRATA`.
-    camera_u : float
-        Horizontal displacement of resting soil by the camera's motion, px.
+    camera_u, camera_v : float
+        Displacement of resting soil by the camera's own motion, right and down, px.
+    motion : (2, H, W) array
+        Displacement of soil without it, px; NaN elsewhere.
     """
 
     masks: dict[str, np.ndarray]
     camera_u: float
+    camera_v: float
+    motion: np.ndarray
+
+    @property
+    def speed(self) -> np.ndarray:
+        """Magnitude of the inertial motion, (H, W) px; NaN where there is no soil."""
+        return np.hypot(*self.motion)
 
 
 def find_strata(truth: "xr.Dataset") -> Strata:
@@ -50,13 +59,14 @@ def find_strata(truth: "xr.Dataset") -> Strata:
     ----------
     truth : xarray.Dataset
         Over `y, x`: `u`, `v` (px), `valid`, `soil`, `mixed`, `distance_to_implement` (px), and
-        `camera_u` (px) if it is told.
+        `camera_u`, `camera_v` (px) if they are told.
     """
     u, v = truth["u"].values, truth["v"].values
     everything = truth["soil"].values & truth["valid"].values & np.isfinite(u) & np.isfinite(v)
-    camera_u = camera_displacement(truth, everything)
+    camera_u, camera_v = camera_displacement(truth, everything)
+    motion = np.where(everything, np.stack([u - camera_u, v - camera_v]), np.nan)
     with np.errstate(invalid="ignore"):
-        moving = everything & (np.hypot(u - camera_u, v) > MOVING_ABOVE)
+        moving = np.hypot(*motion) > MOVING_ABOVE
     near = truth["distance_to_implement"].values <= COMPLEX_WITHIN
     steep = gradient_norm(u, v, everything) > COMPLEX_ABOVE
     complicated = everything & (near | (distance_to(steep) <= COMPLEX_WITHIN))
@@ -67,7 +77,7 @@ def find_strata(truth: "xr.Dataset") -> Strata:
         "quiet": everything & ~moving & ~complicated,
         "mixed": everything & truth["mixed"].values,
     }
-    return Strata(masks, camera_u)
+    return Strata(masks, camera_u, camera_v, motion)
 
 
 def distance_to(mask: np.ndarray) -> np.ndarray:
@@ -77,11 +87,12 @@ def distance_to(mask: np.ndarray) -> np.ndarray:
     return distance_transform_edt(~mask) if mask.any() else np.full(mask.shape, np.inf)
 
 
-def camera_displacement(truth: "xr.Dataset", soil: np.ndarray) -> float:
-    """Horizontal displacement that the camera's own motion gives to resting soil, px.
+def camera_displacement(truth: "xr.Dataset", soil: np.ndarray) -> tuple[float, float]:
+    """Displacement that the camera's own motion gives to resting soil, right and down, px.
 
-    As the truth tells it (`camera_u`); where it does not, the median over all soil, which is how the soil
-    optical flow technique finds it (Skonieczny et al. 2014, section 2.2) and right where most soil rests.
+    As the truth tells it (`camera_u`, `camera_v`); where it does not, the horizontal median over all soil,
+    which is how the soil optical flow technique finds it (Skonieczny et al. 2014, section 2.2) and right where
+    most soil rests, and no vertical motion.
 
     Parameters
     ----------
@@ -92,12 +103,13 @@ def camera_displacement(truth: "xr.Dataset", soil: np.ndarray) -> float:
 
     Returns
     -------
-    float
+    float, float
         0 where there is no soil.
     """
+    camera_v = float(truth["camera_v"]) if "camera_v" in truth else 0.0
     if "camera_u" in truth:
-        return float(truth["camera_u"])
-    return float(np.median(truth["u"].values[soil])) if soil.any() else 0.0
+        return float(truth["camera_u"]), camera_v
+    return float(np.median(truth["u"].values[soil])) if soil.any() else 0.0, camera_v
 
 
 def gradient_norm(u: np.ndarray, v: np.ndarray, valid: np.ndarray) -> np.ndarray:

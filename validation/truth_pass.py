@@ -7,12 +7,13 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from validation.regions import TrueRegions, true_regions
+from validation.regions import TrueRegions, true_interface, true_regions
 from validation.strata import Strata, find_strata
 
 if TYPE_CHECKING:
     import xarray as xr
 
+    from soft import ShearInterface
     from synth import Footage
 
 _USED = (
@@ -45,16 +46,20 @@ class TruePair:
         """Soil, its moving part, the shear interface, the line of greatest shear rate."""
         return true_regions(self.data, self.strata)
 
+    @cached_property
+    def interface(self) -> "ShearInterface":
+        """The line that the analysis' clustering finds in the true speeds, alone."""
+        return true_interface(self.data, self.strata)
+
     @property
     def camera(self) -> tuple[float, float]:
         """Displacement of resting soil by the camera's own motion, right and down, px."""
-        return self.strata.camera_u, float(self.data["camera_v"]) if "camera_v" in self.data else 0.0
+        return self.strata.camera_u, self.strata.camera_v
 
-    @cached_property
+    @property
     def motion(self) -> np.ndarray:
         """Inertial displacement of soil, (2, H, W) px, NaN elsewhere."""
-        moved = np.stack([self.data[name].values - by for name, by in zip("uv", self.camera, strict=True)])
-        return np.where(self.strata.masks["all"], moved, np.nan)
+        return self.strata.motion
 
     def camera_by_soil(self, camera: str) -> float:
         """Give the camera's horizontal motion as the true displacement of soil tells it, px.

@@ -75,7 +75,7 @@ def _make_truth(u, v, **others):
         "mixed": np.zeros(u.shape, bool),
         "distance_to_implement": np.full(u.shape, np.inf, np.float32),
     } | others
-    scalars = {name: arrays.pop(name) for name in ("camera_u",) if name in arrays}
+    scalars = {name: arrays.pop(name) for name in ("camera_u", "camera_v") if name in arrays}
     return xr.Dataset({name: (("y", "x"), a) for name, a in arrays.items()} | scalars)
 
 

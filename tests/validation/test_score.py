@@ -3,7 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from validation.score import MethodScore, ScoreError, Scores, score_flows
+from validation.method_scores import score_methods
+from validation.score import MethodScore, ScoreError, Scores
 
 SHAPE = (20, 30)
 
@@ -24,8 +25,12 @@ def flow_of(make_flow):
     return flow_of
 
 
+def strata_of(footage, flow):
+    return score_methods(footage, {"own": flow})["own"].strata
+
+
 def test_the_truth_itself_is_right(footage, flow_of):
-    strata = score_flows(footage, {"own": flow_of(footage)})["own"]
+    strata = strata_of(footage, flow_of(footage))
     assert strata["all"].pixel_count == 2 * 20 * 30
     assert strata["moving"].pixel_count == 2 * 20 * 5
     assert strata["complex"].pixel_count == 2 * 20 * 8  # the jump, and 3 px to either side
@@ -36,7 +41,7 @@ def test_the_truth_itself_is_right(footage, flow_of):
 
 
 def test_an_offset_is_found_with_its_sign(footage, flow_of):
-    summary = score_flows(footage, {"own": flow_of(footage, off=(0.5, -0.25))})["own"]["all"]
+    summary = strata_of(footage, flow_of(footage, off=(0.5, -0.25)))["all"]
     assert (summary.bias_u, summary.bias_v) == (pytest.approx(0.5), pytest.approx(-0.25))
     assert summary.median == pytest.approx(np.hypot(0.5, 0.25))
 
@@ -45,16 +50,17 @@ def test_every_method_is_judged_on_the_same_pixels(footage, flow_of):
     lazy = flow_of(footage)
     lazy["u"][:, :, 15:] = np.nan
     lazy["valid"][:, :, 15:] = False
-    scores = score_flows(footage, {"full": flow_of(footage), "lazy": lazy})
-    assert scores["full"]["all"].pixel_count == scores["lazy"]["all"].pixel_count
-    assert scores["lazy"]["all"].coverage == 0.5
-    assert scores["lazy"]["all"].wrong_share["1.0"] == 0.5
+    scores = score_methods(footage, {"full": flow_of(footage), "lazy": lazy})
+    full, half = (scores[name].strata["all"] for name in ("full", "lazy"))
+    assert full.pixel_count == half.pixel_count
+    assert half.coverage == 0.5
+    assert half.wrong_share["1.0"] == 0.5
 
 
 def test_the_mask_counts_and_not_what_lies_beneath(footage, flow_of):
     flow = flow_of(footage)
     flow["valid"][:] = False
-    assert score_flows(footage, {"own": flow})["own"]["all"].coverage == 0
+    assert strata_of(footage, flow)["all"].coverage == 0
 
 
 @pytest.mark.parametrize(
@@ -63,15 +69,19 @@ def test_the_mask_counts_and_not_what_lies_beneath(footage, flow_of):
         (lambda flow: flow.isel(x=slice(10)), "10 x 20 px, but the footage has 30 x 20 px"),
         (lambda flow: flow.isel(pair=[0]), "1 picture pairs, but the footage has 2"),
         (lambda flow: flow.assign_coords(first_frame=("pair", [0, 2])), "not the footage's consecutive ones"),
+        (
+            lambda flow: flow.assign_attrs(camera="rigid (as it once was)"),
+            "camera = 'rigid': allowed are median, mode, far: analyze again",
+        ),
     ],
 )
 def test_flow_of_other_pictures_is_refused(footage, flow_of, change, words):
     with pytest.raises(ScoreError, match=words):
-        score_flows(footage, {"own": change(flow_of(footage))})
+        score_methods(footage, {"own": change(flow_of(footage))})
 
 
 def test_scores_on_disk(footage, flow_of, tmp_path):
-    strata = score_flows(footage, {"own": flow_of(footage)})["own"]
+    strata = strata_of(footage, flow_of(footage))
     scores = Scores("scene", 3, True, {"own": MethodScore(0.5, strata)}, {"softbed": "0"})
     path = tmp_path / "scores.json"
     scores.write(path)

@@ -8,7 +8,6 @@ import numpy as np
 import pytest
 from matplotlib.image import imread
 
-from soft import ShearInterface
 from soft.figures.units import Units
 from validation.figures import distribution_figure, error_figure, truth_figure
 from validation.pair_view import Measured, Motion, PairView
@@ -29,7 +28,7 @@ def view():
     strata = {"all": everywhere, "moving": everywhere, "complex": nowhere, "quiet": nowhere}
     units = Units.of(metres_per_pixel=5e-4, frame_rate=8)
     picture = np.random.default_rng(3).uniform(60, 200, SHAPE)
-    return PairView(0, picture, Motion(u, v), strata, {"dis": measured}, 0.0, units, ShearInterface((), ""))
+    return PairView(0, picture, Motion(u, v), strata, {"dis": measured}, 0.0, units)
 
 
 def titled(figure):

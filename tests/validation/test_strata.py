@@ -33,7 +33,18 @@ def test_the_truth_about_the_camera_goes_before_the_median(make_truth):
 
 
 def test_no_soil_no_camera_motion(make_truth):
-    assert camera_displacement(make_truth(np.ones(SHAPE), 0.0), np.zeros(SHAPE, bool)) == 0
+    assert camera_displacement(make_truth(np.ones(SHAPE), 0.0), np.zeros(SHAPE, bool)) == (0, 0)
+
+
+def test_a_camera_that_shakes_vertically_moves_no_soil(make_truth):
+    v = np.full(SHAPE, 2.0)
+    v[:, :10] = 3.5
+    truth = make_truth(np.full(SHAPE, -5.0), v, camera_u=-5.0, camera_v=2.0)
+    strata = find_strata(truth)
+    assert (strata.camera_u, strata.camera_v) == (-5, 2)
+    assert strata.masks["moving"][:, :10].all() and not strata.masks["moving"][:, 10:].any()
+    assert strata.masks["quiet"][:, 20:].all()
+    assert (strata.motion[:, :, 20] == 0).all() and (strata.speed[:, 0] == 1.5).all()
 
 
 def test_near_the_implement_is_complex(make_truth):

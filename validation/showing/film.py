@@ -91,16 +91,14 @@ def _true_shots(footage: "Footage", sequence: "ImageSequence", units: "Units") -
     from soft.figures.film import Shot, label_of
     from soft.figures.view import reduced, smoothed, stride_of
     from validation.pair_view import true_motion
-    from validation.regions import true_interface
-    from validation.strata import find_strata
+    from validation.truth_pass import TruePair
 
     stride = stride_of(sequence.shape)
     for pair in range(footage.pair_count):
-        truth = footage.truth(pair)
-        found = find_strata(truth)
-        motion = true_motion(truth, found)
+        true = TruePair(footage.truth(pair).load())
+        motion = true_motion(true.data, true.strata)
         maps = (None, reduced(units.speed * motion.speed, stride), reduced(motion.shown_direction, stride))
-        picture, lines = smoothed(sequence[pair], stride), true_interface(truth, found).lines
+        picture, lines = smoothed(sequence[pair], stride), true.interface.lines
         yield Shot(label_of(footage.truths, pair), picture, maps, ((), lines, lines))
 
 
@@ -110,10 +108,11 @@ def _shots(subject: Subject) -> "Iterator[Shot]":
     from soft.figures.view import smoothed, stride_of
 
     for pair in range(subject.pair_count):
-        view = subject.view(pair)
+        true = subject.true_pair(pair)
+        view = subject.view(pair, true=true)
         picture = smoothed(view.picture, stride_of(view.picture.shape))
         maps = (None, *_maps(view, subject.method.name))
-        lines = ((), shear_interface_of(subject.flow, pair=pair).lines, view.true_interface.lines)
+        lines = ((), shear_interface_of(subject.flow, pair=pair).lines, true.interface.lines)
         yield Shot(label_of(subject.flow, pair), picture, maps, lines)
 
 

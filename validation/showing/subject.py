@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from validation.material import Material
     from validation.pair_view import PairView
     from validation.run_folder import RunFolder
+    from validation.truth_pass import TruePair
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,8 +67,8 @@ class Subject:
         """The first picture of a pair, (H, W) grey 0-255."""
         return self.material.sequence[int(self.flow["first_frame"][pair])]
 
-    def view(self, pair: int) -> "PairView":
-        """A pair with its truth.
+    def true_pair(self, pair: int) -> "TruePair":
+        """The truth of a pair.
 
         Raises
         ------
@@ -75,10 +76,22 @@ class Subject:
             There is none.
         """
         from validation import chain
-        from validation.pair_view import view_pair
+        from validation.pair_view import read_true_pair
 
         chain.require_truth(self.material)
-        return view_pair(self.run, self.material, [self.method], pair)
+        return read_true_pair(self.material, pair)
+
+    def view(self, pair: int, *, true: "TruePair | None" = None) -> "PairView":
+        """A pair with its truth, which is read unless it was read before.
+
+        Raises
+        ------
+        ScoreError
+            There is none.
+        """
+        from validation.pair_view import view_pair
+
+        return view_pair(self.run, self.material, [self.method], pair, true=true or self.true_pair(pair))
 
 
 @contextmanager

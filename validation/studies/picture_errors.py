@@ -77,7 +77,7 @@ def picture_errors(
         Pairs, at most; a recording may have fewer.
     """
     from synth import Recording, render
-    from validation.score import score_flows
+    from validation.method_scores import score_methods
 
     count = min(pair_count, recording.frame_count - 1)
     first = (recording.frame_count - 1 - count) // 2
@@ -86,7 +86,8 @@ def picture_errors(
         tempfile.TemporaryDirectory() as folder,
         render(part, scene, Path(folder) / "footage") as footage,
     ):
-        return score_flows(footage, {method: _measured(footage, method) for method in methods})
+        scores = score_methods(footage, {method: _measured(footage, method) for method in methods})
+    return {method: score.strata for method, score in scores.items()}
 
 
 def _measured(footage: "Footage", method: str) -> "xr.Dataset":

@@ -75,7 +75,6 @@ def flow_of(measured: "xr.Dataset") -> "xr.Dataset":
 
 def view_of(measured: "xr.Dataset") -> PairView:
     """The pair with its truth and this one measurement."""
-    from soft import ShearInterface
     from soft.figures.units import Units
 
     scale, rate = (float(value) for value in measured.attrs["shown_scale"])
@@ -95,7 +94,6 @@ def view_of(measured: "xr.Dataset") -> PairView:
         measured={measured.attrs["method"]: Measured(own, error, missed, camera, soil)},
         camera_u=camera,
         units=Units.of(metres_per_pixel=scale, frame_rate=rate),
-        true_interface=ShearInterface((), "not kept"),
     )
 
 
