@@ -91,8 +91,8 @@ def camera_displacement(truth: "xr.Dataset", soil: np.ndarray) -> tuple[float, f
     """Displacement that the camera's own motion gives to resting soil, right and down, px.
 
     As the truth tells it (`camera_u`, `camera_v`); where it does not, the horizontal median over all soil,
-    which is how the soil optical flow technique finds it (Skonieczny et al. 2014, section 2.2) and right where
-    most soil rests, and no vertical motion.
+    which is how the soil optical flow technique finds it (Skonieczny et al. 2014, section 2.2) and right
+    where most soil rests, and no vertical motion.
 
     Parameters
     ----------
