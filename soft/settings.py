@@ -175,12 +175,7 @@ class AnalysisSettings(_Table):
         try:
             return cls.model_validate(table)
         except ValidationError as error:
-            fault = error.errors(include_url=False)[0]
-            key = ".".join(str(part) for part in fault["loc"])
-            message = fault["msg"].removeprefix("Value error, ")
-            if fault["type"] == "extra_forbidden":
-                message = "there is no such key"
-            raise SettingsError(f"{name}: {key}: {message}") from None
+            raise SettingsError(f"{name}: {_complaint(error)}") from None
 
     def changed(self, *, name: str = "settings", **sections: dict[str, Any] | None) -> "AnalysisSettings":
         """Put other values in the place of some, checked like those of a file; None changes nothing.
@@ -211,6 +206,21 @@ class AnalysisSettings(_Table):
     def to_dict(self) -> dict[str, Any]:
         """As JSON can hold them, without those that have no value."""
         return self.model_dump(mode="json", exclude_none=True)
+
+
+def _complaint(error: ValidationError) -> str:
+    """The first fault: key, value, what is allowed."""
+    faults = error.errors(include_url=False)
+    # A misspelt key is told before the key that is missing because of it.
+    fault = min(faults, key=lambda one: one["type"] != "extra_forbidden")
+    kind, value, key = fault["type"], fault["input"], ".".join(str(part) for part in fault["loc"])
+    if kind == "extra_forbidden":
+        return f"{key}: there is no such key"
+    if kind == "missing":
+        return f"{key}: is missing"
+    shown = "" if isinstance(value, dict) else f" = {value!r}"
+    said = fault["msg"].removeprefix("Value error, ").replace("Input should be", "must be")
+    return f"{key}{shown}: {'must be a table' if kind == 'model_type' else said}"
 
 
 def settings_template() -> str:

@@ -26,11 +26,14 @@ class Material:
         The pictures.
     digest : str
         SHA-256 over the pictures' files, their time step, their scale, and what of them is used, and how.
+    files_digest : str
+        SHA-256 over the pictures' files alone.
     """
 
     folder: Path
     sequence: "ImageSequence"
     digest: str
+    files_digest: str
 
     @classmethod
     def open(cls, folder: Path, settings: "AnalysisSettings | None" = None) -> "Material":
@@ -50,13 +53,14 @@ class Material:
 
         settings = settings or AnalysisSettings()
         sequence = open_sequence(folder, settings)
+        pictures = list(zip(_names(folder, sequence), map(file_digest, sequence.files), strict=True))
         digest = key_of(
-            pictures=list(zip(_names(folder, sequence), map(file_digest, sequence.files), strict=True)),
+            pictures=pictures,
             metres_per_pixel=sequence.metres_per_pixel,
             frame_rate=sequence.frame_rate,
             **_view(settings),
         )
-        return cls(folder, sequence, digest)
+        return cls(folder, sequence, digest, key_of(pictures=pictures))
 
     @property
     def truth(self) -> Path:
@@ -116,7 +120,11 @@ def results_folder(path: Path, out: Path | None) -> Path:
     from soft.sequence.video import is_video
 
     if not path.is_dir() and not is_video(path):
-        what = "is a file, a folder of pictures or a video is needed" if path.exists() else "no such folder"
+        what = (
+            "is a file, a folder of pictures or a video is needed"
+            if path.exists()
+            else "no such folder or video"
+        )
         raise RunFolderError(f"{path}: {what}")
     if out is None and is_run_folder(path):
         return path

@@ -105,7 +105,9 @@ class Lens:
             return cls._from(table)
         except FileNotFoundError:
             raise CalibrationError(f"lens {path}: no such file") from None
-        except (UnicodeDecodeError, tomllib.TOMLDecodeError, KeyError, TypeError, ValueError) as error:
+        except KeyError as error:
+            raise CalibrationError(f"lens {path}: not a lens of this program: {error} is missing") from None
+        except (UnicodeDecodeError, tomllib.TOMLDecodeError, TypeError, ValueError) as error:
             raise CalibrationError(f"lens {path}: not a lens of this program: {error}") from error
 
     @classmethod

@@ -21,9 +21,10 @@ def metres_per_pixel_between(first: Sequence[float], second: Sequence[float], *,
     CalibrationError
         If the points are one, or the length is not above 0.
     """
-    pixels = math.dist(first, second)
+    ends = [tuple(float(part) for part in end) for end in (first, second)]
+    pixels = math.dist(*ends)
     if not (0 < length < math.inf):
         raise CalibrationError(f"scale length: {length!r}: must be above 0 m")
     if not (0 < pixels < math.inf):
-        raise CalibrationError(f"scale points: {list(first)} and {list(second)}: must be two points")
+        raise CalibrationError(f"scale points: {ends[0]} and {ends[1]}: must be two points")
     return length / pixels

@@ -13,6 +13,10 @@ from soft.sequence.picture import read_picture, require_same_shape, stored_shape
 MASK_SUFFIXES = (".png", ".tif", ".tiff", ".bmp")
 """JPEG is left out: around what is drawn it leaves grey levels that are not quite zero."""
 
+MOST_LEVELS, MOST_OTHERS = 8, 0.1
+"""Grey levels of a mask, and the share of its pixels that may have others, as along smooth edges. A
+photograph taken for a mask would hide nothing, and nobody would be told."""
+
 
 @dataclass(frozen=True, eq=False)
 class UserMasks:
@@ -46,7 +50,8 @@ class UserMasks:
         Raises
         ------
         SequenceError
-            If a mask is missing, of another size than the frames, or a JPEG; or there are more or fewer.
+            If a mask is missing, of another size than the frames, or a JPEG; or there are more or fewer. A
+            photograph is refused when it is used.
         """
         path = Path(path)
         if path.is_dir():
@@ -82,9 +87,15 @@ class UserMasks:
         return self._read(self.files[0])
 
     def _read(self, file: Path) -> np.ndarray:
-        mask = read_picture(file) > 0
-        require_same_shape(mask.shape, self.shape, f"mask {file}")
-        return mask
+        drawn = read_picture(file)
+        require_same_shape(drawn.shape, self.shape, f"mask {file}")
+        counts = np.sort(np.bincount(drawn.astype(np.uint8).ravel()))
+        if counts[:-MOST_LEVELS].sum() > MOST_OTHERS * drawn.size:
+            raise SequenceError(
+                f"mask {file}: has too many grey levels for something drawn: must be black where there is "
+                "never soil, and white elsewhere"
+            )
+        return drawn > 0
 
 
 def _require_lossless(file: Path) -> None:

@@ -55,7 +55,7 @@ class PairSelection:
         pairs = tuple((k, k + self.stride) for k in range(self.start, stop - self.stride, self.every))
         if not pairs:
             raise SequenceError(
-                f"start {self.start}, stop {self.stop}, stride {self.stride}: no pair in "
+                f"start {self.start}, stop {self.stop or 'none'}, stride {self.stride}: no pair in "
                 f"{frame_count} frames: start + stride must be below stop and below {frame_count}"
             )
         return pairs

@@ -59,9 +59,9 @@ def test_paths_are_relative_to_the_file(tmp_path):
     [
         ("[frames]\nstrid = 2", "settings.toml: frames.strid: there is no such key"),
         ("[frame]\n", "settings.toml: frame: there is no such key"),
-        ("[frames]\nstride = 0", "frames.stride: Input should be greater than or equal to 1"),
-        ("[soil]\nkind = 'red'", "soil.kind: Input should be 'bright', 'dark' or 'all'"),
-        ("[region]\nx = 1", "region.y: Field required"),
+        ("[frames]\nstride = 0", "frames.stride = 0: must be greater than or equal to 1"),
+        ("[soil]\nkind = 'red'", "soil.kind = 'red': must be 'bright', 'dark' or 'all'"),
+        ("[region]\nx = 1", "region.y: is missing"),
         ("[calibration]\nmetres_per_pixel = inf", "calibration.metres_per_pixel"),
         ("[calibration]\nrectify = true", "calibration: rectify: needs glass_points"),
         ("[calibration]\nscale_length = 1", "scale_points and scale_length: one needs the other"),
@@ -74,6 +74,8 @@ def test_paths_are_relative_to_the_file(tmp_path):
             "method 'os:system': allowed are .*; any other is given on the command",
         ),
         ("[flow]\nmethod = 'files:x'", "method 'files:x': allowed are"),
+        ("frames = 3", "settings.toml: frames = 3: must be a table"),
+        ("[camera]\nmotion = 'rigid'", "camera.motion = 'rigid': must be 'median', 'mode' or 'far'"),
         ("= 1", "not a TOML file"),
     ],
 )

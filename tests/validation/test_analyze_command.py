@@ -67,10 +67,34 @@ def test_settings_from_a_file_and_options_before_them(softbed, photographs):
         assert json.loads(flow.attrs["options"])["window_size"] == 21
         assert flow.attrs["metres_per_pixel"] == 2e-4
     assert "camera: resting soil -3.00 ± 0.0" in error
-    assert "camera 0.24 ± 0.00 cm/s to the right" in error
+    assert "camera 0.240 ± 0.00" in error
     # The same again is skipped; other pairs are not.
     assert "skipped" in softbed(*arguments, "--start", 1, "--every", 2)[2]
     assert "what it depends on has changed" in softbed(*arguments, "--start", 2, "--every", 2)[2]
+
+
+def test_pictures_of_the_same_name_elsewhere_replace_nothing(softbed, photographs):
+    arguments = ["--method", "farneback", "--soil", "all", "--stop", 2]
+    assert softbed("analyze", photographs, *arguments)[0] == 0
+    before = (photographs.parent / "rig-softbed" / "analysis" / "farneback.nc").read_bytes()
+    other = photographs.parent / "second" / "rig"
+    other.mkdir(parents=True)
+    for k in range(2):
+        cv2.imwrite(str(other / f"shot{k}.png"), soil(2 * k))
+    status, _, error = softbed("analyze", other, *arguments)
+    assert status == 2
+    assert f"rig-softbed: holds what was measured in {photographs}: nothing is replaced, choose" in error
+    # Nor are figures drawn of the one on the pictures of the other.
+    for k in range(2, 7):
+        cv2.imwrite(str(other / f"shot{k}.png"), soil(2 * k))
+    status, _, error = softbed("figure", "speed", other, "--out", "speed.png")
+    assert status == 2 and "farneback.nc: not of the pictures in" in error
+    assert (photographs.parent / "rig-softbed" / "analysis" / "farneback.nc").read_bytes() == before
+    # The same pictures may have moved, and a picture may have been mended where it lies.
+    moved = photographs.rename(photographs.parent / "second" / "moved").rename(photographs)
+    assert softbed("analyze", moved, *arguments)[0] == 0
+    cv2.imwrite(str(photographs / "shot1.png"), soil(2))
+    assert softbed("analyze", photographs, *arguments)[0] == 0
 
 
 def test_region_and_masks(softbed, photographs):

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 from validation.chain.scoring import require_truth
 from validation.chain.step import Work, made_by, skips
-from validation.manifest import file_digest, key_of
+from validation.manifest import RunFolderError, file_digest, key_of
 from validation.material import Material
 from validation.methods import DEFAULT, Method
 from validation.run_folder import RunFolder
@@ -37,6 +37,7 @@ def analyze(
     import soft
 
     settings = settings or soft.AnalysisSettings()
+    _require_same_place(run, material)
     key = _analyze_key(material, method, settings)
     step = _analyze_step(method)
     if skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
@@ -65,6 +66,8 @@ def analyze(
         draft.facts |= {
             "method": method.name,
             "pictures": material.digest,
+            "picture_files": material.files_digest,
+            "source": _source(run, material),
             "soil": settings.soil.kind,
             "vertical": settings.camera.vertical,
             "settings": settings.rooted().to_dict(),
@@ -72,6 +75,31 @@ def analyze(
         }
     shutil.rmtree(kept, ignore_errors=True)
     terminal.say(f"  camera: {travel}")
+
+
+def _require_same_place(run: RunFolder, material: Material) -> None:
+    """Refuse to replace what was measured in pictures that lie elsewhere and are others.
+
+    Raises
+    ------
+    RunFolderError
+        It would be replaced.
+    """
+    for step, record in run.manifest.steps.items():
+        if not step.startswith("analyze ") or "source" not in record.facts:
+            continue
+        elsewhere = record.facts["source"] != _source(run, material)
+        if elsewhere and record.facts["picture_files"] != material.files_digest:
+            raise RunFolderError(
+                f"{run.path}: holds what was measured in {record.facts['source']}: nothing is replaced, "
+                "choose another folder with --out"
+            )
+
+
+def _source(run: RunFolder, material: Material) -> str:
+    """Where pictures lie; those of a run folder move with it."""
+    place, home = material.folder.resolve(), run.path.resolve()
+    return str(place.relative_to(home) if place.is_relative_to(home) else place)
 
 
 def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:

@@ -33,7 +33,9 @@ def main() -> None:
 
 def run_command(arguments: Sequence[str]) -> int:
     """Run one command and return its exit status; every expected error is one line on standard error."""
-    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")  # what it warns of is said by our own line
+    # What they warn of is said by our own line.
+    os.environ.setdefault("OPENCV_LOG_LEVEL", "SILENT")
+    os.environ.setdefault("OPENCV_FFMPEG_LOGLEVEL", "-8")
     try:
         status = app(args=list(arguments), prog_name="softbed", standalone_mode=False)
     except KeyboardInterrupt:

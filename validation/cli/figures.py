@@ -66,9 +66,10 @@ def figure(
 ) -> None:
     """Draw one figure of a measurement, in the manner of the paper."""
     from soft.figures.page import require_suffix, save_figure
-    from validation.showing.kinds import Order, draw_figure
+    from validation.showing.kinds import Order, draw_figure, require_kind
 
     terminal = Terminal(json=json)
+    require_kind(kind)
     file = out or Path(f"{kind}.png")
     require_suffix(file)
     with terminal.working(), _opened(path, results, method) as subject, _beside(beside, method) as other:

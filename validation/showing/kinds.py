@@ -51,9 +51,20 @@ def draw_figure(kind: str, order: Order) -> "Figure":
     ScoreError
         It needs the truth, and there is none.
     """
+    require_kind(kind)
+    return KINDS[kind].draw(order)
+
+
+def require_kind(kind: str) -> None:
+    """Refuse a kind of figure that there is not.
+
+    Raises
+    ------
+    RunFolderError
+        It is none of `KINDS`.
+    """
     if kind not in KINDS:
         raise RunFolderError(f"{kind!r}: no such kind of figure: allowed are {', '.join(KINDS)}")
-    return KINDS[kind].draw(order)
 
 
 def _picture(order: Order) -> "Figure":

@@ -115,6 +115,10 @@ def opened_subject(
     import soft
 
     chosen = _chosen(path, run, method)
+    record = run.manifest.steps.get(f"analyze {chosen.slug}")
+    measured_in = record.facts.get("picture_files") if record else None
+    if measured_in not in (None, material.files_digest):
+        raise RunFolderError(f"{run.analysis(chosen.slug)}: not of the pictures in {material.folder}")
     with soft.read_soil_flow(run.analysis(chosen.slug)) as flow:
         height, width = material.sequence.shape
         if (flow.sizes["y"], flow.sizes["x"]) != (height, width) or _last_frame(flow) >= len(

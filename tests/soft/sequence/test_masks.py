@@ -45,6 +45,17 @@ def test_masks_are_drawn_on_the_pictures_as_they_were_taken(sequence, tmp_path):
     assert np.array_equal(masked.usable(0)[0], (np.arange(30) >= 7) & (np.arange(30) < 27))
 
 
+def test_a_photograph_is_no_mask_but_smooth_edges_are_fine(sequence, tmp_path):
+    cv2.imwrite(str(tmp_path / "photo.png"), np.random.default_rng(0).integers(0, 256, (20, 30), np.uint8))
+    with pytest.raises(SequenceError, match=r"photo\.png: has too many grey levels for something drawn"):
+        sequence.mask(tmp_path / "photo.png").usable(0)
+    drawn = np.zeros((20, 30), np.uint8)
+    drawn[5:, :] = 255
+    drawn[5, :20] = np.arange(20) * 10 + 20
+    cv2.imwrite(str(tmp_path / "smooth.png"), drawn)
+    assert sequence.mask(tmp_path / "smooth.png").usable(0)[5:].all()
+
+
 def test_what_does_not_fit(sequence, tmp_path):
     with pytest.raises(SequenceError, match="30 x 21 px, but the pictures have 30 x 20 px"):
         sequence.mask(draw(tmp_path / "a.png", np.s_[:], (21, 30)))
