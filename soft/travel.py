@@ -66,7 +66,7 @@ class CameraSpeed:
             line += f", vertical {_pm(self.v, self.v_range)} px"
         if self.along is not None:
             speed, spread = (100 * value for value in self.along)
-            line += f": camera {_pm(speed, spread, digits=3)} cm/s to the right"
+            line += f": camera {_pm(speed, spread)} cm/s to the right"
         return line
 
 
@@ -94,6 +94,5 @@ def _mean_and_range(values: np.ndarray) -> tuple[float, float]:
     return float(np.mean(values)), spread
 
 
-def _pm(value: float, spread: float, *, digits: int = 2) -> str:
-    told = f"{value:.{digits}f}"
-    return f"{told} ± {spread:.{digits}f}" if np.isfinite(spread) else told
+def _pm(value: float, spread: float) -> str:
+    return f"{value:.3f} ± {spread:.3f}" if np.isfinite(spread) else f"{value:.3f}"

@@ -13,7 +13,7 @@ def test_as_the_paper_tells_it():
     assert (speed.u, speed.u_range) == pytest.approx((-7.23, 0.34))
     assert speed.along == pytest.approx((0.0079, 0.00037), rel=1e-2)
     assert str(speed) == (
-        "resting soil -7.23 ± 0.34 px a pair (95 % of 50 pairs): camera 0.79 ± 0.04 cm/s to the right"
+        "resting soil -7.230 ± 0.340 px a pair (95 % of 50 pairs): camera 0.790 ± 0.037 cm/s to the right"
     )
 
 
