@@ -88,7 +88,7 @@ def deformation_figure(
     image = show_map(axes, rate, view.extent, high=top, **scale)
     draw_interface(axes, view, chosen)
     unit = view.units.rate_name if quantity != "rotation" else f"rad{view.units.rate_name[1:]}"
-    colour_bar(axes, image, f"[{unit}]", extend="both" if signed else "max")
+    colour_bar(axes, image, f"{quantity} rate [{unit}]", extend="both" if signed else "max")
     return figure
 
 

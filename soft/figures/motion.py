@@ -204,8 +204,13 @@ def comparison_figure(
     # A page turned on its side.
     figure, grid = new_page(shape, rows=2, columns=len(runs), width=10.0)
     last = len(runs) - 1
-    for k, ((name, flow, picture), interface) in enumerate(zip(runs, interfaces, strict=True)):
-        view = view_of_pair(flow, picture, pair, interface)
+    pairs = zip(runs, interfaces, strict=True)
+    views = [view_of_pair(flow, picture, pair, interface) for (_, flow, picture), interface in pairs]
+    for k, ((name, _, _), view) in enumerate(zip(runs, views, strict=True)):
+        if (view.extent, view.units) != (views[0].extent, views[0].units):
+            # It does not share the first one's axis.
+            for axes in grid[:, k]:
+                axes.tick_params(labelleft=True)
         show_speed(grid[0, k], view, chosen, title=f"{name}: speed", named=k == 0)
         show_direction(grid[1, k], view, chosen, title=f"{name}: direction", named=False, wheel=k == last)
     return figure

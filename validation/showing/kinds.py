@@ -128,6 +128,7 @@ def _compare(order: Order) -> "Figure":
 
     if order.other is None:
         raise RunFolderError("compare: needs what to set beside: give --with PATH")
+    order.other.require_pair(order.pair)
     both = (order.subject, order.other)
     runs = [(one.name, one.flow, one.picture(order.pair)) for one in both]
     lines = [shear_interface_of(one.flow, pair=order.pair) for one in both]

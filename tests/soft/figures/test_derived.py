@@ -35,10 +35,10 @@ def middle_of(figure):
     ("quantity", "matrix", "rate", "unit"),
     [
         # x' = x - 0.02 y, y' = y + 0.02 x with y down: clockwise as the picture shows it.
-        ("rotation", ((1.0, -0.02), (0.02, 1.0)), 0.2, "[rad/s]"),
-        ("rotation", ((1.0, 0.02), (-0.02, 1.0)), -0.2, "[rad/s]"),
-        ("dilation", ((1.01, 0.0), (0.0, 1.01)), 0.2, "[1/s]"),
-        ("shear", ((1.0, 0.03), (0.0, 1.0)), 0.3, "[1/s]"),
+        ("rotation", ((1.0, -0.02), (0.02, 1.0)), 0.2, "rotation rate [rad/s]"),
+        ("rotation", ((1.0, 0.02), (-0.02, 1.0)), -0.2, "rotation rate [rad/s]"),
+        ("dilation", ((1.01, 0.0), (0.0, 1.01)), 0.2, "dilation rate [1/s]"),
+        ("shear", ((1.0, 0.03), (0.0, 1.0)), 0.3, "shear rate [1/s]"),
     ],
 )
 def test_rates_of_known_motion(moved, quantity, matrix, rate, unit):

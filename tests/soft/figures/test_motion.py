@@ -148,6 +148,18 @@ def test_runs_beside_each_other_have_scales_of_their_own(measured):
     )
 
 
+def test_a_run_of_another_size_has_an_axis_of_its_own(measured):
+    flow, sequence = measured
+    cut, picture = flow.isel(y=slice(0, 100)), sequence[0][:100]
+    for others, labelled in ((("Same", flow, sequence[0]), False), (("Cut", cut, picture), True)):
+        figure = comparison_figure([("First", flow, sequence[0]), others])
+        titles = {axes.get_title(loc="left"): axes for axes in figure.axes}
+        for what in ("speed", "direction"):
+            axes = titles[f"{others[0]}: {what}"]
+            assert bool(axes.yaxis.get_tick_params()["labelleft"]) is labelled
+            assert bool(axes.get_ylabel()) is labelled
+
+
 @pytest.mark.parametrize("make", [motion_figure, bucket_figure])
 def test_figures_of_two_panels_show_both(measured, make):
     flow, sequence = measured
