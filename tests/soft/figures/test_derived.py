@@ -57,7 +57,7 @@ def test_without_scale_rates_are_a_frame(moved):
         del plain.attrs[name]
     figure = deformation_figure(plain, picture, quantity="dilation")
     assert middle_of(figure) == pytest.approx(0.02, rel=0.05)
-    assert figure.axes[1].get_ylabel() == "[1/frame]"
+    assert figure.axes[1].get_ylabel() == "dilation rate [1/frame]"
 
 
 def test_other_quantities_are_refused(moved):
