@@ -13,7 +13,10 @@ from validation.terminal import Terminal
 
 @app.command()
 def export(
-    path: Annotated[Path, typer.Argument(metavar="OUT", help="A run folder, or a footage folder.")],
+    path: Annotated[
+        Path,
+        typer.Argument(metavar="OUT", help="A run folder, footage, or pictures that have been analyzed."),
+    ],
     file_format: Annotated[
         Literal["vtk", "flo", "kitti", "netcdf", "csv", "grid", "vti", "mp4"],
         typer.Option(
