@@ -4,6 +4,7 @@ import hashlib
 import json
 import math
 import tomllib
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -382,6 +383,35 @@ def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | 
         return _with_fine_region(scene) if isinstance(scene, SoilBinScene) else scene
     except ValidationError as error:
         raise SceneError(_complaint(error, source)) from None
+
+
+def changed_scene(scene: AnyScene, changes: Mapping[str, Any], *, source: str = "scene") -> AnyScene:
+    """A scene with other values for some of its keys, checked as those of a file are.
+
+    Parameters
+    ----------
+    changes : mapping
+        Value by dotted key, `{"drive.slip": 0.3, "soil": "fillite"}`.
+    source : str
+        Stands in front of every complaint.
+
+    Raises
+    ------
+    SceneError
+        With key, value and what is allowed.
+    """
+    tables, nested = scene.to_dict(), {}
+    for key, value in sorted(changes.items()):
+        *path, name = key.split(".")
+        inner = nested
+        for part in path:
+            inner = inner.setdefault(part, {})
+            if not isinstance(inner, dict):
+                raise SceneError(f"{source}: {key}: {part!r} is changed as a whole, too")
+        inner[name] = value
+    if isinstance(nested.get("soil"), str):
+        del tables["soil"]  # its name stands for the whole table
+    return parse_scene(_merged(tables, nested, Path(source), "scene"), source=source)
 
 
 def _with_fine_region(scene: SoilBinScene) -> SoilBinScene:
