@@ -11,7 +11,7 @@ _LINE = re.compile(r"([0-9a-f]{64})  (.+)")
 def write_checksums(folder: Path) -> None:
     """List every file below `folder`."""
     names = sorted(path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
-    lines = [f"{_digest(folder / name)}  {name}\n" for name in names if name != CHECKSUM_FILE]
+    lines = [f"{file_digest(folder / name)}  {name}\n" for name in names if name != CHECKSUM_FILE]
     (folder / CHECKSUM_FILE).write_text("".join(lines), encoding="utf-8")
 
 
@@ -33,6 +33,7 @@ def read_checksums(folder: Path) -> dict[str, str]:
     return found
 
 
-def _digest(path: Path) -> str:
+def file_digest(path: Path) -> str:
+    """SHA-256 of a file's bytes, hexadecimal."""
     with path.open("rb") as file:
         return hashlib.file_digest(file, "sha256").hexdigest()

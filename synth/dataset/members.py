@@ -62,6 +62,22 @@ class Impossible:
 
 
 @dataclass(frozen=True)
+class Failure:
+    """Why a member could not be made.
+
+    Attributes
+    ----------
+    stage : str
+        `bed`, `simulation` or `pictures`.
+    reason : str
+        One line.
+    """
+
+    stage: str
+    reason: str
+
+
+@dataclass(frozen=True)
 class Membership:
     """All points of a design.
 

@@ -24,6 +24,7 @@ from synth.dem.packing import void_ratio
 from synth.dem.relative_density import SettlingRelation, settling_relation
 from synth.dem.settling import FIRST_SOLID_FRACTION, Bin
 from synth.devices import cache_folder
+from synth.scene import Bed as BedTable
 from synth.scene import SoilBinScene
 
 Progress = Callable[[int, int], None]
@@ -124,7 +125,7 @@ def _prepared(
     scene: SoilBinScene, settling_friction: float, progress: Progress | None
 ) -> tuple[Grains, float]:
     """Grains and solid fraction of a bed made anew."""
-    law, bin_ = contact_law(scene), _bin(scene)
+    law, bin_ = contact_law(scene), bin_of(scene.bed, scene.contact.steps_per_contact)
     if scene.bed.thickness:
         from synth.dem.slab import prepare_slab
 
@@ -141,14 +142,14 @@ def _prepared(
     return rested.only(_by_column(rested)), solid_fraction
 
 
-def _bin(scene: SoilBinScene) -> Bin:
-    bed = scene.bed
+def bin_of(bed: BedTable, steps_per_contact: int) -> Bin:
+    """The bin that discs are dropped into, as a scene describes their bed."""
     what = (bed.width, bed.depth, bed.grain_diameter, bed.polydispersity, bed.gravity)
     if bed.coarsening == 1 or bed.fine is None:
-        return Bin(*what, scene.contact.steps_per_contact)
+        return Bin(*what, steps_per_contact)
     return GradedBin(
         *what,
-        scene.contact.steps_per_contact,
+        steps_per_contact,
         coarsening=bed.coarsening,
         left=bed.fine.left,
         right=bed.fine.right,

@@ -6,7 +6,7 @@ imported inside commands, so that `softbed --help` is instant.
 
 # isort: off
 from validation.cli import scenes, simulation, flow, calibrate_camera, figures, files  # noqa: F401
-from validation.cli import compare, physics, bench, gate, study, suite, findings, identify, drawbar  # noqa: F401
+from validation.cli import compare, physics, bench, gate, study, suite, findings, identify, drawbar, sweep  # noqa: F401
 from validation.cli.app import app, main, run_command
 
 # isort: on

@@ -170,7 +170,7 @@ def test_changes_are_checked_as_a_file_is_and_rivals_give_way(tiny_wheel):
     assert changed_scene(tiny_wheel, {"soil": "fillite"}).soil.name != tiny_wheel.soil.name
     dense = changed_scene(tiny_wheel, {"bed.relative_density": 0.7})
     assert dense.bed.settling_friction is None
-    with pytest.raises(SceneError, match="soil.contact.friction.* 'soil' is changed as a whole"):
+    with pytest.raises(SceneError, match=r"soil.contact.friction.* 'soil' is changed as a whole"):
         changed_scene(tiny_wheel, {"soil.contact.friction": 0.3, "soil": "fillite"})
     with pytest.raises(SceneError, match=r"drive.slip = 'fast'"):
         changed_scene(tiny_wheel, {"drive.slip": "fast"})
