@@ -158,7 +158,7 @@ def meaning_of(scene: "AnyScene", key: str) -> str:
     *path, name = key.split(".")
     for part in path:
         table = getattr(table, part, None)
-    known = type(table).model_fields if hasattr(table, "model_fields") else {}
+    known = getattr(type(table), "model_fields", {})
     return (known[name].description or "") if name in known else ""
 
 

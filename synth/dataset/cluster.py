@@ -2,6 +2,7 @@
 
 import importlib.util
 import logging
+import sys
 import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -84,6 +85,15 @@ def _local(workers: int | None, device: str) -> "Iterator[Client]":
         )
     with cluster, Client(cluster) as client:
         yield client
+        client.run(_keep_kernels)
+
+
+def _keep_kernels() -> None:
+    """Let a worker write the kernels that it compiled to the cache: at its end it may have no time to."""
+    if "taichi" in sys.modules:
+        import taichi as ti
+
+        ti.reset()
 
 
 def _has_dashboard() -> bool:

@@ -6,6 +6,7 @@ set's folder. A task that finds its result there has nothing to do.
 
 import functools
 import json
+import logging
 import os
 import shutil
 import socket
@@ -27,6 +28,7 @@ if TYPE_CHECKING:
     from synth.recording import Recording
 
 SCENE_FILE = "scene.toml"
+_log = logging.getLogger(__name__)
 _one_at_a_time = threading.Lock()
 """taichi's kernels are not for several threads at once, whatever a user's own cluster is set up for."""
 
@@ -110,7 +112,9 @@ def simulate(order: Order, scene: AnyScene, _: Seconds) -> bool:
             return False
         _start(order, scene)
         try:
-            recording = synth.simulate(scene, device=order.device, threads=1, checkpoint=place / CHECKPOINT)
+            recording = synth.simulate(
+                scene, device=order.device, threads=1, checkpoint=place / CHECKPOINT, say=_log.info
+            )
         except SimulationError:
             shutil.rmtree(place)  # going on from its checkpoint would only stop there again
             raise

@@ -1,0 +1,297 @@
+"""Whatever happens to workers, to the client and to the disk: nothing lost, nothing half-written."""
+
+import csv
+import json
+import os
+import subprocess
+import sys
+import time
+import tomllib
+
+import pytest
+
+import synth
+from synth.checksums import file_digest, read_checksums
+from synth.dataset.facts import sequence_facts
+from synth.dataset.folder import DataSetError, DataSetFolder
+from synth.dataset.summary import read_facts
+from synth.dataset.tasks import Order, photograph, settle, simulate
+from synth.dataset.versions import decisive_versions
+from synth.footage import Footage
+from synth.scene import changed_scene, load_scene
+
+distributed = pytest.importorskip("distributed")
+
+CLIENT = "from validation.cli import main; main()"
+# Runs in every worker: checkpoints as often as can be, said in a file; files cut where the disk is "full".
+PRELOAD = """
+import logging, os, resource
+logging.basicConfig(filename=os.environ["WORKER_LOG"])
+logging.getLogger("synth.dataset.tasks").setLevel(logging.INFO)
+if "LARGEST_FILE" in os.environ:
+    resource.setrlimit(resource.RLIMIT_FSIZE, (int(os.environ["LARGEST_FILE"]), resource.RLIM_INFINITY))
+if "OFTEN" in os.environ:
+    from synth.dem import checkpoint
+    checkpoint.CHECKPOINT_INTERVAL = 0.0
+"""
+
+
+@pytest.fixture
+def start(tmp_path):
+    """Start `softbed sweep` in a process of its own, its workers prepared by environment variables."""
+    preload = tmp_path / "prepare_worker.py"
+    preload.write_text(PRELOAD)
+    started = []
+
+    def start(sweep, out, *options, **environment):
+        environment |= {"WORKER_LOG": str(tmp_path / "worker.log")}
+        environment |= {"DASK_DISTRIBUTED__WORKER__PRELOAD": json.dumps([str(preload)])}
+        process = subprocess.Popen(
+            [sys.executable, "-c", CLIENT, "sweep", sweep, out, "--workers", "1", *options],
+            env={**os.environ, **environment},
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
+            text=True,
+        )
+        started.append(process)
+        return process
+
+    yield start
+    for process in started:
+        process.kill()
+
+
+@pytest.fixture
+def worker_log(tmp_path):
+    def read():
+        path = tmp_path / "worker.log"
+        return path.read_text() if path.is_file() else ""
+
+    return read
+
+
+def manifest_of(out):
+    return json.loads((out / "manifest.json").read_text())
+
+
+def table_of(path):
+    with path.open(newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def workers_of(process):
+    """Processes that a client has started, its workers among them."""
+    import psutil
+
+    alive = (one for one in psutil.Process(process.pid).children(recursive=True) if is_alive(one))
+    return [one for one in alive if "spawn_main" in str(one.cmdline())]
+
+
+def is_alive(process):
+    """Neither gone nor waiting to be buried."""
+    import psutil
+
+    return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
+
+
+def wait_for(condition, *, seconds=120):
+    end = time.monotonic() + seconds
+    while not condition():
+        assert time.monotonic() < end, "it did not happen"
+        time.sleep(0.01)
+
+
+def assert_whole(out):
+    """Every file is what it must be, every sequence opens, and nothing half-made is left."""
+    sums = read_checksums(out)
+    files = {p.relative_to(out).as_posix() for p in out.rglob("*") if p.is_file()} - {"SHA256SUMS"}
+    assert files == set(sums)
+    assert all(file_digest(out / name) == digest for name, digest in sums.items())
+    for row in table_of(out / "members.csv"):
+        folder = out / "sequences" / row["name"]
+        assert row["status"] == "made"
+        assert load_scene(folder / "scene.toml").hash.startswith(row["name"])
+        Footage.open(folder).close()
+
+
+def test_a_data_set_says_all_of_itself(sand_set):
+    assert_whole(sand_set)
+    manifest, rows = manifest_of(sand_set), table_of(sand_set / "members.csv")
+    assert manifest["complete"] and manifest["pair_count"] == 12 and manifest["simulation_count"] == 3
+    assert manifest["split_counts"] == {"train": 2, "validation": 2, "test": 2}
+    assert manifest["versions"]["numpy"] and manifest["versions"]["distributed"]
+    assert [float(row["motion.angle"]) for row in rows] == [0.01, 0.01, 0.02, 0.02, 0.03, 0.03]
+    by_motion = {}
+    for row in rows:
+        by_motion.setdefault(row["simulation"], set()).add(row["split"])
+    assert sorted(split for (split,) in by_motion.values()) == ["test", "train", "validation"]
+    card = (sand_set / "data_card.md").read_text()
+    for words in ("CC-BY-4.0", manifest["digest"], "rad", "`lens.blur` | 0.5, 1 |", "| train | 1 | 2 | 4 |"):
+        assert words in card
+    facts = json.loads((sand_set / "sequences" / rows[0]["name"] / "facts.json").read_text())
+    # 0.01 rad about the middle: up to 0.58 px in the corners.
+    assert sum(facts["displacement"][:7]) == sum(facts["displacement"]) > 0
+    assert facts["soil"] == 1 and 0.9 < facts["valid"] < 1 and facts["moving"] == 0
+
+
+def test_again_it_does_nothing_and_one_worker_makes_the_same(sand_sweep, sand_set, start, tmp_path):
+    made = {path: path.stat().st_mtime_ns for path in (sand_set / "sequences").rglob("*")}
+    process = start(sand_sweep, sand_set, "--json")
+    output, error = process.communicate()
+    assert process.returncode == 0 and "dashboard" not in error
+    assert json.loads(output)["digest"] == manifest_of(sand_set)["digest"]
+    assert made == {path: path.stat().st_mtime_ns for path in (sand_set / "sequences").rglob("*")}
+    # From the sweep that the data set carries, in another folder, by one worker instead of two.
+    process = start(sand_set / "sweep.toml", tmp_path / "again")
+    assert "http://127.0.0.1" in process.communicate()[1]
+    assert process.returncode == 0
+    assert manifest_of(tmp_path / "again")["digest"] == manifest_of(sand_set)["digest"]
+
+
+def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(sweep_of, sand_tables, start, tmp_path):
+    vary = {**sand_tables["vary"], "camera.width": [64, 256], "motion.angle": [0.02]}
+    sweep, out = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary}), tmp_path / "out"
+    process = start(sweep, out, LARGEST_FILE="160000")  # between the truths' sizes, in bytes
+    error = process.communicate()[1]
+    assert process.returncode == 1, error
+    failures = table_of(out / "failures.csv")
+    assert [(row["camera.width"], row["stage"]) for row in failures] == [("256", "pictures")] * 2
+    assert all(row["reason"] in error for row in failures)
+    assert [row["status"] for row in table_of(out / "members.csv")] == ["made", "failed"] * 2
+    assert len(list((out / "sequences").iterdir())) == 2 and not list((out / ".work").rglob("*.png"))
+    assert "**It is not complete: 2 of 4 sequences are missing.**" in (out / "data_card.md").read_text()
+    kept = {path: path.stat().st_mtime_ns for path in (out / "sequences").rglob("*.*")}
+    assert start(sweep, out).wait() == 0
+    assert_whole(out)
+    assert table_of(out / "failures.csv") == [] and not (out / ".work").exists()
+    assert (
+        kept.items() <= {path: path.stat().st_mtime_ns for path in (out / "sequences").rglob("*.*")}.items()
+    )
+
+
+def test_a_killed_worker_and_a_killed_client_lose_nothing(sweep_of, sand_tables, start, tmp_path):
+    vary = {
+        **sand_tables["vary"],
+        "timing.frame_count": [200],
+        "motion.angle": [0.001, 0.002],
+        "lens.blur": [1.0],
+    }
+    sweep, out = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary}), tmp_path / "out"
+
+    def half_made(since=0.0):
+        return [p for p in out.glob(".work/*/*/frames/000002.png") if p.stat().st_mtime > since]
+
+    process = start(sweep, out)
+    wait_for(lambda: workers_of(process))
+    killed = workers_of(process)
+    wait_for(half_made)
+    for worker in killed:
+        worker.kill()
+    when = time.time()
+    assert half_made() and not list(out.glob("sequences/*"))
+    wait_for(lambda: any(worker not in killed for worker in workers_of(process)))
+    wait_for(lambda: list(out.glob("sequences/*")))
+    workers = workers_of(process)
+    wait_for(lambda: half_made(since=when))
+    process.kill()
+    process.wait()
+    wait_for(lambda: not any(map(is_alive, workers)), seconds=30)
+    assert half_made() and len(list(out.glob("sequences/*"))) == 1
+    assert start(sweep, out).wait() == 0
+    assert_whole(out)
+    assert not (out / ".work").exists()
+    for row in table_of(out / "members.csv"):
+        assert (
+            digest_in_this_process(out, row["name"], tmp_path)
+            == read_facts(DataSetFolder(out), row["name"])["digest"]
+        )
+
+
+def digest_in_this_process(out, name, tmp_path):
+    """Hash of a member's values, made once more without a cluster."""
+    scene = load_scene(out / "sequences" / name / "scene.toml")
+    with synth.render(synth.simulate(scene), scene, tmp_path / name) as footage:
+        return sequence_facts(footage)["digest"]
+
+
+@pytest.mark.slow
+def test_a_killed_worker_s_simulation_goes_on_from_its_checkpoint(wheel_sweep, start, worker_log, tmp_path):
+    undisturbed, out = tmp_path / "undisturbed", tmp_path / "out"
+    assert start(wheel_sweep, undisturbed).wait() == 0
+    process = start(wheel_sweep, out, OFTEN="1")
+    checkpoints = out / ".work"
+    wait_for(lambda: list(checkpoints.glob("*/checkpoint/state.npz")))
+    for worker in workers_of(process):
+        worker.kill()
+    wait_for(lambda: "checkpoint: goes on after" in worker_log())
+    simulated = len(list((out / "recordings").glob("*.nc")))
+    wait_for(lambda: list(checkpoints.glob("*/*/frames/000001.png")) or process.poll() is not None)
+    assert process.poll() is None and simulated < 2
+    workers = workers_of(process)
+    process.kill()
+    process.wait()
+    wait_for(lambda: not any(map(is_alive, workers)), seconds=30)
+    assert list(checkpoints.glob("*/*/frames/000001.png"))
+    process = start(wheel_sweep, out)
+    assert process.wait() == 0
+    assert_whole(out)
+    assert manifest_of(out)["digest"] == manifest_of(undisturbed)["digest"]
+    recordings = [
+        {path.name: file_digest(path) for path in (folder / "recordings").iterdir()}
+        for folder in (out, undisturbed)
+    ]
+    assert recordings[0] == recordings[1] and len(recordings[0]) == 2
+
+
+def test_a_member_that_fails_is_told_by_its_tasks_and_leaves_nothing(tiny_wheel, tmp_path):
+    heavy = changed_scene(tiny_wheel, {"implement.normal_load": 400.0})
+    folder = DataSetFolder(tmp_path)
+    folder.write("sweep.toml", "")
+    order = Order(folder, "cpu", decisive_versions())
+    failure = simulate(order, heavy, settle(order, heavy))
+    assert failure.stage == "simulation" and "grain" in failure.reason and "\n" not in failure.reason
+    assert photograph(order, heavy, failure) is failure
+    assert not (tmp_path / "recordings").exists() and not list((tmp_path / ".work").iterdir())
+
+
+def test_workers_of_another_kind_are_refused(quick_sand, tmp_path):
+    folder = DataSetFolder(tmp_path)
+    order = Order(folder, "cpu", decisive_versions())
+    assert "a shared file system is needed" in simulate(order, quick_sand).reason
+    folder.write("sweep.toml", "")
+    other = Order(folder, "cpu", {**decisive_versions(), "scipy": "0.1"})
+    assert "scipy" in simulate(other, quick_sand).reason
+
+
+def test_another_sweep_s_folder_and_a_stranger_s_are_refused(sweep_of, sand_tables, sand_set, tmp_path):
+    from synth.dataset.execution import make_data_set
+
+    other = sweep_of(tmp_path / "other", **{**sand_tables, "seed": 4})
+    with pytest.raises(DataSetError, match="not of this sweep"):
+        make_data_set(other, sand_set)
+    (tmp_path / "full").mkdir()
+    (tmp_path / "full" / "thesis.tex").touch()
+    with pytest.raises(DataSetError, match=r"thesis\.tex"):
+        make_data_set(other, tmp_path / "full")
+    assert tomllib.loads((sand_set / "sweep.toml").read_text())["seed"] == 3
+
+
+def test_a_scheduler_that_is_not_there_is_named(sand_sweep, tmp_path, monkeypatch):
+    from synth.dataset import cluster
+    from synth.dataset.execution import make_data_set
+
+    monkeypatch.setattr(cluster, "_CONNECT_SECONDS", 1)
+    with pytest.raises(cluster.ClusterError, match=r"tcp://127\.0\.0\.1:9"):
+        make_data_set(sand_sweep, tmp_path / "out", scheduler="tcp://127.0.0.1:9")
+
+
+def test_two_at_once_are_told_apart(sand_sweep, sand_set):
+    from synth.dataset.execution import make_data_set
+    from synth.dataset.folder import DataSetFolder
+
+    with (
+        DataSetFolder(sand_set).sole_user(),
+        pytest.raises(DataSetError, match="another softbed works on it"),
+    ):
+        make_data_set(sand_sweep, sand_set)
+    DataSetFolder(sand_set).remove_work()
