@@ -75,7 +75,7 @@ class Footage:
                 raise ValueError(f"{path}: named in sequence.toml, but there is no such file")
         truth = _open_truth(folder / "truth.nc", len(frames))
         try:
-            _check_size(_read_picture(frames[0]), frames[0], truth)
+            _check_size(read_picture(frames[0]), frames[0], truth)
         except ValueError:
             truth.close()
             raise
@@ -115,7 +115,7 @@ class Footage:
             No such frame, or a picture that is unreadable, coloured or of another size.
         """
         path = self.frames[_checked(frame, self.frame_count, "frame")]
-        picture = _read_picture(path)
+        picture = read_picture(path)
         _check_size(picture, path, self._truth)
         return picture
 
@@ -198,7 +198,8 @@ def _open_truth(path: Path, frame_count: int) -> "xr.Dataset":
     return truth
 
 
-def _read_picture(path: Path) -> "np.ndarray":
+def read_picture(path: Path) -> "np.ndarray":
+    """A grey picture of 8 or 16 bit, (H, W); raises ValueError where it is none."""
     import cv2
     import numpy as np
 

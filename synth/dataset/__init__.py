@@ -1,1 +1,21 @@
-"""Recordings and footage in the formats of others."""
+"""Data sets made by sweeps, and recordings and footage in the formats of others."""
+
+import importlib
+from typing import Any
+
+_HOMES = {
+    "DataSet": "synth.dataset.loading",
+    "DataSetError": "synth.dataset.folder",
+    "FlowPair": "synth.dataset.loading",
+    "TorchPairs": "synth.dataset.torch_pairs",
+    "load_data_set": "synth.dataset.loading",
+    "make_data_set": "synth.dataset.execution",
+}
+__all__ = sorted(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    """Import a public name on its first use: dask, torch and others load only where needed."""
+    if name not in _HOMES:
+        raise AttributeError(f"module 'synth.dataset' has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOMES[name]), name)

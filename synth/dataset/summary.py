@@ -126,26 +126,16 @@ def _manifest(told: Told, facts: dict[str, Facts]) -> dict[str, Any]:
 
 def _members_table(told: Told, facts: dict[str, Facts]) -> str:
     keys = list(told.sweep.vary)
-    header = ["name", "split", *keys, "simulation", "status", "seconds", "bytes"]
+    header = ["name", "split", *keys, "simulation", "status", "frames", "seconds", "bytes"]
     rows = []
     for member in told.membership.members:
-        name = member.name
-        status = MADE if name in facts else FAILED if name in told.failures else MISSING
+        made = facts.get(member.name)
+        status = MADE if made else FAILED if member.name in told.failures else MISSING
         known = (
-            [round(facts[name]["seconds"]["pictures"], 2), facts[name]["bytes"]]
-            if name in facts
-            else ["", ""]
+            [made["frame_count"], round(made["seconds"]["pictures"], 2), made["bytes"]] if made else [""] * 3
         )
-        rows.append(
-            [
-                name,
-                member.split,
-                *_spelt(member.values[key] for key in keys),
-                member.simulation,
-                status,
-                *known,
-            ]
-        )
+        values = _spelt(member.values[key] for key in keys)
+        rows.append([member.name, member.split, *values, member.simulation, status, *known])
     return _table(header, rows)
 
 
