@@ -37,7 +37,7 @@ class Findings:
     ----------
     folder : Path
     kind : str
-        `run folder` or `footage folder`.
+        `run folder`, `footage folder` or `data set`.
     file_count : int
         Files whose content was compared with a hash.
     faults : tuple of Fault
@@ -71,7 +71,7 @@ class Findings:
 
 
 def check_folder(folder: Path, *, progress: Callable[[int, int], None] | None = None) -> Findings:
-    """Check a run folder or a footage folder; nothing is written.
+    """Check a run folder, a footage folder or a data set; nothing is written.
 
     Parameters
     ----------
@@ -82,8 +82,12 @@ def check_folder(folder: Path, *, progress: Callable[[int, int], None] | None = 
     Raises
     ------
     RunFolderError
-        It is neither of the two.
+        It is none of these.
     """
+    from validation.check_data_set import check_data_set, is_data_set
+
+    if is_data_set(folder):
+        return check_data_set(folder, progress)
     if (folder / MANIFEST_FILE).is_file():
         return _check_run(folder, progress)
     if (folder / SEQUENCE_FILE).is_file() or (folder / TRUTH_FILE).is_file():
@@ -96,8 +100,8 @@ def _check_run(folder: Path, progress: Callable[[int, int], None] | None) -> Fin
     try:
         manifest = Manifest.read(folder)
     except RunFolderError as error:
-        return Findings(folder, "run folder", 0, (Fault(MANIFEST_FILE, _without(error, folder)),), ())
-    damaged = dict(_wrong_hashes(folder, manifest.files, progress))
+        return Findings(folder, "run folder", 0, (Fault(MANIFEST_FILE, without(error, folder)),), ())
+    damaged = dict(wrong_hashes(folder, manifest.files, progress))
     faults = [Fault(name, fault) for name, fault in damaged.items()]
     for step, record in manifest.steps.items():
         unlisted = [name for name in record.files if name not in manifest.files]
@@ -106,7 +110,7 @@ def _check_run(folder: Path, progress: Callable[[int, int], None] | None) -> Fin
     for name, check in _contents(folder, manifest):
         if name not in damaged and (folder / name).exists():
             faults += [Fault(name, fault) for fault in check(folder / name)]
-    remarks = [f"{name}: not of this run" for name in _strangers(folder, {*manifest.files, MANIFEST_FILE})]
+    remarks = [f"{name}: not of this run" for name in strangers(folder, {*manifest.files, MANIFEST_FILE})]
     return Findings(folder, "run folder", len(manifest.files), tuple(faults), tuple(remarks))
 
 
@@ -118,20 +122,21 @@ def _check_footage_folder(folder: Path, progress: Callable[[int, int], None] | N
         try:
             listed = read_checksums(folder)
         except ValueError as error:
-            faults.append(Fault(CHECKSUM_FILE, _without(error, folder)))
-        remarks += [f"{name}: not of this footage" for name in _strangers(folder, {*listed, CHECKSUM_FILE})]
+            faults.append(Fault(CHECKSUM_FILE, without(error, folder)))
+        remarks += [f"{name}: not of this footage" for name in strangers(folder, {*listed, CHECKSUM_FILE})]
     else:
         remarks.append(f"no {CHECKSUM_FILE}: whether a value was edited cannot be told")
-    damaged = dict(_wrong_hashes(folder, listed, progress))
+    damaged = dict(wrong_hashes(folder, listed, progress))
     faults += [Fault(name, fault) for name, fault in damaged.items()]
     if not damaged:
-        faults += [Fault(".", fault) for fault in _footage_faults(folder)]
+        faults += [Fault(".", fault) for fault in footage_faults(folder)]
     return Findings(folder, "footage folder", len(listed), tuple(faults), tuple(remarks))
 
 
-def _wrong_hashes(
+def wrong_hashes(
     folder: Path, digests: dict[str, str], progress: Callable[[int, int], None] | None
 ) -> Iterator[tuple[str, str]]:
+    """Files that are not what their SHA-256 says, and what is wrong with them."""
     for done, (name, digest) in enumerate(sorted(digests.items()), start=1):
         path = folder / name
         if not path.is_file():
@@ -164,7 +169,7 @@ def _why_unreadable(path: Path) -> str | None:
         elif path.suffix == ".toml":
             tomllib.loads(path.read_text(encoding="utf-8"))
     except (OSError, ValueError, KeyError, RuntimeError, SyntaxError) as error:
-        return f"not readable ({path.stat().st_size} bytes; cut short?): {_without(error, path)}"
+        return f"not readable ({path.stat().st_size} bytes; cut short?): {without(error, path)}"
     return None
 
 
@@ -172,7 +177,7 @@ def _contents(folder: Path, manifest: Manifest) -> Iterator[tuple[str, Callable[
     """What to look into: path within the run folder, and the check of what it says."""
     yield "scene.toml", lambda path: _scene_faults(path, manifest)
     yield "recording.nc", _recording_faults
-    yield "footage", _footage_faults
+    yield "footage", footage_faults
     for path in sorted((folder / "analysis").glob("*.nc")):
         yield f"analysis/{path.name}", _analysis_faults
     yield "scores.json", _scores_faults
@@ -184,7 +189,7 @@ def _scene_faults(path: Path, manifest: Manifest) -> list[str]:
     try:
         scene = load_scene(path)
     except ValueError as error:
-        return [_without(error, path)]
+        return [without(error, path)]
     return [] if scene.hash == manifest.scene_hash else [f"not the scene of {MANIFEST_FILE}: another hash"]
 
 
@@ -195,11 +200,11 @@ def _recording_faults(path: Path) -> list[str]:
     try:
         data = Recording.read(path).data
     except (ValueError, OSError) as error:
-        return [_without(error, path)]
+        return [without(error, path)]
     return [f"variable {name} is missing" for name in VARIABLES if name not in data]
 
 
-def _footage_faults(folder: Path) -> list[str]:
+def footage_faults(folder: Path) -> list[str]:
     """Open footage and read every picture and every pair's truth."""
     from synth import Footage
 
@@ -212,7 +217,7 @@ def _footage_faults(folder: Path) -> list[str]:
             for pair in range(footage.pair_count):
                 footage.truth(pair)
     except (ValueError, OSError) as error:
-        faults.append(_without(error, folder))
+        faults.append(without(error, folder))
     return faults
 
 
@@ -238,7 +243,7 @@ def _analysis_faults(path: Path) -> list[str]:
         with soft.read_soil_flow(path) as flow:
             return list(wrong_values(flow))
     except ValueError as error:
-        return [_without(error, path)]
+        return [without(error, path)]
 
 
 def _scores_faults(path: Path) -> list[str]:
@@ -247,16 +252,16 @@ def _scores_faults(path: Path) -> list[str]:
     try:
         Scores.read(path)
     except (ValueError, json.JSONDecodeError) as error:
-        return [_without(error, path)]
+        return [without(error, path)]
     return []
 
 
-def _strangers(folder: Path, known: set[str]) -> list[str]:
+def strangers(folder: Path, known: set[str]) -> list[str]:
     """Files that nothing lists; what a run keeps aside (names with a leading dot) does not count."""
     found = (path.relative_to(folder).as_posix() for path in folder.rglob("*") if path.is_file())
     return sorted(name for name in found if name not in known and not name.startswith("."))
 
 
-def _without(error: Exception, path: Path) -> str:
+def without(error: Exception, path: Path) -> str:
     """The complaint in one line, without the path that stands before it anyway."""
     return " ".join(str(error).removeprefix(f"{path}: ").split())

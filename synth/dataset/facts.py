@@ -74,8 +74,8 @@ class _Tally:
         self._counts["valid"] += int(truth["valid"].values.sum())
         for name in ("all", "moving", "complex", "mixed"):
             self._counts[name] += int(strata.masks[name].sum())
-        motion = np.hypot(truth["u"].values[known] - strata.camera_u, truth["v"].values[known])
-        self._displacement = self._displacement + np.histogram(motion, [*EDGES, np.inf])[0]
+        speed = strata.speed[known]
+        self._displacement = self._displacement + np.histogram(speed, [*EDGES, np.inf])[0]
         full_scale = np.iinfo(picture.dtype).max + 1
         self._grey = self._grey + np.histogram(picture[soil], GREY_BINS, (0, full_scale))[0]
 

@@ -15,14 +15,17 @@ from validation.terminal import Terminal
 def export(
     path: Annotated[
         Path,
-        typer.Argument(metavar="OUT", help="A run folder, footage, or pictures that have been analyzed."),
+        typer.Argument(
+            metavar="OUT", help="A run folder, footage, pictures that have been analyzed, or a data set."
+        ),
     ],
     file_format: Annotated[
-        Literal["vtk", "flo", "kitti", "netcdf", "csv", "grid", "vti", "mp4"],
+        Literal["vtk", "flo", "kitti", "netcdf", "csv", "grid", "vti", "mp4", "sintel", "kitti-flow"],
         typer.Option(
             "--format",
             help="vtk: grains, implement and contacts for ParaView. The others: truth and measured motion; "
-            "vti for ParaView, grid as PIV programs have it; kitti rounds to 1/64 px, mp4 is a film of each.",
+            "vti for ParaView, grid as PIV programs have it; kitti rounds to 1/64 px, mp4 is a film of each. "
+            "Of a data set: sintel, kitti-flow, as flow networks' loaders read it, a root for each split.",
         ),
     ] = "vtk",
     stride: Annotated[
@@ -43,6 +46,9 @@ def export(
     if stride is not None and file_format not in STRIDES:
         raise typer.BadParameter(f"--stride: {file_format} has every pixel: only for {', '.join(STRIDES)}")
     terminal = Terminal(json=json)
+    if file_format in ("sintel", "kitti-flow"):
+        _export_data_set(path, file_format, out, terminal)
+        return
     with terminal.working():
         if file_format == "vtk":
             with RunFolder.open(path) as run:
@@ -55,6 +61,16 @@ def export(
     terminal.give(document)
 
 
+def _export_data_set(path: Path, layout: str, out: Path | None, terminal: Terminal) -> None:
+    from validation.chain.data_set import export_data_set
+
+    with terminal.working():
+        folder = export_data_set(path, layout, out, terminal=terminal)
+    roots = sorted(folder.iterdir())
+    terminal.show(", ".join(map(str, roots)))
+    terminal.give({"schema_version": 1, "folder": str(folder), "roots": [root.name for root in roots]})
+
+
 def _exported(folder: Path) -> str:
     """Name what lies in a folder, to open first."""
     series = sorted(folder.glob("*.pvd"))
@@ -63,7 +79,9 @@ def _exported(folder: Path) -> str:
 
 @app.command()
 def check(
-    path: Annotated[Path, typer.Argument(metavar="OUT", help="A run folder, or a footage folder.")],
+    path: Annotated[
+        Path, typer.Argument(metavar="OUT", help="A run folder, a footage folder, or a data set.")
+    ],
     json: Json = False,
     debug: Debug = False,
 ) -> None:
