@@ -2,7 +2,6 @@
 
 import json
 import shutil
-import sys
 
 import h5py
 import numpy as np
@@ -144,9 +143,3 @@ def test_torchvision_reads_the_exports(softbed, sand_set, tmp_path):
         np.testing.assert_array_equal(np.asarray(second)[..., 1], pair.second)
         np.testing.assert_array_equal(valid, pair.valid)
         np.testing.assert_allclose(flow.transpose(1, 2, 0)[valid], pair.flow[valid], atol=QUANTUM / 2 * 1.001)
-
-
-@pytest.mark.skipif("torch" in sys.modules, reason="somebody else has imported it")
-def test_nothing_imports_torch_unasked(sand_set):
-    load_data_set(sand_set)
-    assert "torch" not in sys.modules
