@@ -400,7 +400,8 @@ def changed_scene(scene: AnyScene, changes: Mapping[str, Any], *, source: str = 
     SceneError
         With key, value and what is allowed.
     """
-    tables, nested = scene.to_dict(), {}
+    tables = scene.to_dict()
+    nested: dict[str, Any] = {}
     for key, value in sorted(changes.items()):
         *path, name = key.split(".")
         inner = nested

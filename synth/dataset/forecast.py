@@ -7,12 +7,13 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
 
+from synth.analytic.settings import AnalyticCamera
 from synth.dataset.execution import Asked
 from synth.dataset.folder import DataSetFolder
 from synth.dataset.members import Member
 from synth.dataset.summary import Facts, read_facts, read_manifest
 from synth.dataset.sweep import SPLITS
-from synth.scene import AnalyticScene, AnyScene, Bed, SoilBinScene
+from synth.scene import AnyScene, Bed, SoilBinScene
 
 GRAIN_STEPS = 22e6
 """Of a core a second, of discs (docs/paper.md)."""
@@ -128,7 +129,7 @@ def simulation_seconds(scene: AnyScene) -> float:
 def picture_seconds(scene: AnyScene) -> float:
     """To take a scene's pictures and read them back, s of a core."""
     camera = scene.camera
-    samples = 0 if isinstance(scene, AnalyticScene) else camera.supersampling**2
+    samples = 0 if isinstance(camera, AnalyticCamera) else camera.supersampling**2
     pixels = camera.width * camera.height * scene.timing.frame_count
     return pixels * (PIXEL_SECONDS + samples * SAMPLE_SECONDS)
 

@@ -124,7 +124,8 @@ def members_of(sweep: Sweep, base: AnyScene) -> Membership:
 def deal_out(simulations: Iterable[str], split: Split, *, seed: int) -> dict[str, str]:
     """Split by simulation: exact shares (rounded), in an order that hashes give."""
     ordered = sorted(simulations, key=lambda name: hashlib.sha256(f"{seed} {name}".encode()).hexdigest())
-    dealt, start, share = {}, 0, 0.0
+    dealt: dict[str, str] = {}
+    start, share = 0, 0.0
     for name in SPLITS:
         share += getattr(split, name)
         end = round(share * len(ordered))

@@ -14,10 +14,11 @@ from validation.terminal import Terminal
 @app.command()
 def bench(
     name: Annotated[
-        Literal["dem", "render", "flow"],
+        Literal["dem", "render", "flow", "sweep"],
         typer.Argument(
             metavar="NAME",
-            help="dem: the grain solver, LAMMPS. render: pictures with truth. flow: methods' errors, speed.",
+            help="dem: the grain solver, LAMMPS. render: pictures with truth. flow: methods' errors, speed. "
+            "sweep: sequences of a data set, by one worker and by two.",
         ),
     ],
     grains: Annotated[
@@ -76,9 +77,10 @@ def bench(
     from validation.bench.render import bench_render
     from validation.bench.rows import bench_document, bench_table
     from validation.bench.subset_dic import SubsetDic
+    from validation.bench.sweep import WORKERS, bench_sweep
 
     terminal = Terminal(json=json)
-    workers = threads or os.cpu_count() or 1
+    workers = max(WORKERS) if name == "sweep" else threads or os.cpu_count() or 1
     with terminal.working(), terminal.progress(f"bench {name}") as progress:
         if name == "flow":
             cases = analytic_cases() + photograph_cases(photograph) + run_cases(run or ())
@@ -87,6 +89,8 @@ def bench(
             rows += bench_limits(rows, run or (), threads=workers, progress=progress) if limits else []
         elif name == "render":
             rows = bench_render(repeats=repeats, threads=workers, progress=progress)
+        elif name == "sweep":
+            rows = bench_sweep(repeats=repeats, progress=progress)
         else:
             rows = bench_dem(
                 grain_counts=grains or GRAIN_COUNTS, repeats=repeats, threads=workers, progress=progress
