@@ -19,9 +19,10 @@ GRAIN_STEPS = 22e6
 """Of a core a second, of discs (docs/paper.md)."""
 BED_SECONDS = 7e-3
 """Of a core for each grain of a bed (docs/simulator.md)."""
-PIXEL_SECONDS, SAMPLE_SECONDS = 7e-7, 1.0e-8
-"""Of a core for each pixel of a picture with its truth, written and read back, and each of its samples."""
-PIXEL_BYTES = 10.5
+SEQUENCE_SECONDS, PIXEL_SECONDS, SAMPLE_SECONDS = 0.7, 9.3e-7, 1.0e-8
+"""Of a core: for a sequence's texture, for each pixel of a picture with its truth, written and read back, and
+for each of its samples."""
+PIXEL_BYTES = 11.0
 """On disk, of a picture with its truth."""
 GRAIN_BYTES = 36.0
 """On disk, of a grain in a frame of a recording."""
@@ -129,9 +130,10 @@ def simulation_seconds(scene: AnyScene) -> float:
 def picture_seconds(scene: AnyScene) -> float:
     """To take a scene's pictures and read them back, s of a core."""
     camera = scene.camera
-    samples = 0 if isinstance(camera, AnalyticCamera) else camera.supersampling**2
     pixels = camera.width * camera.height * scene.timing.frame_count
-    return pixels * (PIXEL_SECONDS + samples * SAMPLE_SECONDS)
+    if isinstance(camera, AnalyticCamera):
+        return pixels * PIXEL_SECONDS
+    return SEQUENCE_SECONDS + pixels * (PIXEL_SECONDS + camera.supersampling**2 * SAMPLE_SECONDS)
 
 
 def grain_count(scene: AnyScene) -> float:

@@ -3,11 +3,13 @@
 import csv
 import json
 import os
+import signal
 import subprocess
 import sys
 import time
 import tomllib
 from contextlib import suppress
+from types import SimpleNamespace
 
 import pytest
 
@@ -162,12 +164,13 @@ def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(sweep_of, sand_tabl
     assert len(list((out / "sequences").iterdir())) == 2 and not list((out / ".work").rglob("*.png"))
     assert "**It is not complete: 2 of 4 sequences are missing.**" in (out / "data_card.md").read_text()
     kept = {path: path.stat().st_mtime_ns for path in (out / "sequences").rglob("*.*")}
+    vary["lens.blur"] = [0.5, 1.0, 1.5]  # more points of the same design are welcome
+    sweep = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary})
     assert start(sweep, out).wait() == 0
     assert_whole(out)
+    assert manifest_of(out)["made_count"] == 6
     assert table_of(out / "failures.csv") == [] and not (out / ".work").exists()
-    assert (
-        kept.items() <= {path: path.stat().st_mtime_ns for path in (out / "sequences").rglob("*.*")}.items()
-    )
+    assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
 
 
 def test_a_killed_worker_and_a_killed_client_lose_nothing(sweep_of, sand_tables, start, tmp_path):
@@ -207,6 +210,22 @@ def test_a_killed_worker_and_a_killed_client_lose_nothing(sweep_of, sand_tables,
             digest_in_this_process(out, row["name"], tmp_path)
             == read_facts(DataSetFolder(out), row["name"])["digest"]
         )
+
+
+def test_an_interrupt_ends_the_workers_and_leaves_nothing_half_written(
+    sweep_of, sand_tables, start, tmp_path
+):
+    vary = {**sand_tables["vary"], "timing.frame_count": [400], "motion.angle": [0.001], "lens.blur": [1.0]}
+    sweep, out = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary}), tmp_path / "out"
+    process = start(sweep, out)
+    wait_for(lambda: list(out.glob(".work/*/*/frames/000002.png")))
+    workers = workers_of(process)
+    process.send_signal(signal.SIGINT)
+    error = process.communicate(timeout=60)[1]
+    assert process.returncode == 130 and "the same command goes on" in error.splitlines()[-1]
+    assert "Traceback" not in error
+    wait_for(lambda: not any(map(is_alive, workers)), seconds=30)
+    assert not list(out.glob("sequences/*"))
 
 
 def digest_in_this_process(out, name, tmp_path):
@@ -276,6 +295,24 @@ def test_another_sweep_s_folder_and_a_stranger_s_are_refused(sweep_of, sand_tabl
     with pytest.raises(DataSetError, match=r"thesis\.tex"):
         make_data_set(other, tmp_path / "full")
     assert tomllib.loads((sand_set / "sweep.toml").read_text())["seed"] == 3
+
+
+def test_a_scheduler_of_the_user_s_own_makes_the_same(sand_sweep, sand_set, tmp_path):
+    from synth.dataset.execution import make_data_set
+
+    with distributed.LocalCluster(n_workers=1, threads_per_worker=2, dashboard_address=None) as cluster:
+        manifest = make_data_set(sand_sweep, tmp_path / "out", scheduler=cluster.scheduler_address)
+    assert manifest["digest"] == manifest_of(sand_set)["digest"]
+
+
+def test_a_task_that_kills_its_workers_is_a_failure_with_its_stage():
+    from synth.dataset.execution import _failure
+
+    error = distributed.KilledWorker("bed-0123-abcd", SimpleNamespace(address="tcp://h:1"), 3)
+    failure = _failure(error)
+    assert (
+        failure.stage == "bed" and "4 workers died of it" in failure.reason and "tcp://h:1" in failure.reason
+    )
 
 
 def test_a_scheduler_that_is_not_there_is_named(sand_sweep, tmp_path, monkeypatch):

@@ -21,7 +21,7 @@ def test_a_dry_run_says_how_many_how_long_how_large_and_writes_nothing(softbed, 
     assert (found["member_count"], found["simulation_count"], found["bed_count"]) == (2, 2, 0)
     assert found["frame_count"] == 6 and found["split_counts"] == {"train": 1, "validation": 0, "test": 1}
     assert found["seconds"] == pytest.approx(sum(found["core_seconds"].values()) / 4)
-    assert found["bytes"] == pytest.approx(6 * 96 * 64 * 10.5)
+    assert found["bytes"] == pytest.approx(6 * 96 * 64 * 11)
     status, output, _ = softbed("sweep", sand_sweep, tmp_path / "out", "--dry-run")
     assert status == 0 and "2 (1 train, 0 validation, 1 test)" in output and "by stated rates" in output
 
