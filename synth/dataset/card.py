@@ -58,7 +58,7 @@ y down; displacements are px, forward.
 
 ## Statistics
 
-Of {looked_at} pairs of each sequence, evenly spread. Moving: above 1 px in the inertial frame. Complex:
+Of up to {looked_at} pairs of each sequence. Moving: above 1 px in the inertial frame. Complex:
 within 3 px of the implement or of a true gradient of motion above 0.1 px/px. Mixed: the pixel holds motions
 more than 0.1 px apart. Moving, complex and mixed are shares of the soil.
 

@@ -4,6 +4,7 @@ import hashlib
 import json
 from collections.abc import Iterable
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import Any
 
 from synth.dataset.design import Point, points_of
@@ -31,17 +32,17 @@ class Member:
     values: Point
     split: str = SPLITS[0]
 
-    @property
+    @cached_property
     def name(self) -> str:
         """Beginning of the hash of the resolved scene."""
         return self.scene.hash[:NAME_LENGTH]
 
-    @property
+    @cached_property
     def simulation(self) -> str:
         """Beginning of the hash of what the motion depends on."""
         return self.scene.simulation_hash[:NAME_LENGTH]
 
-    @property
+    @cached_property
     def bed(self) -> str | None:
         """Of what the settled bed depends on; None where there is none."""
         return bed_key(self.scene)
