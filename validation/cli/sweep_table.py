@@ -25,9 +25,9 @@ def _lines(found: "Forecast") -> list[tuple[str, str]]:
     lines = [
         ("sequences", f"{found.member_count} ({splits})"),
         ("there already", str(found.made_count)),
-        ("to settle", f"{found.bed_count} beds"),
-        ("to simulate", f"{found.simulation_count} motions"),
-        ("to render", f"{found.frame_count} pictures"),
+        ("beds to settle", str(found.bed_count)),
+        ("motions to simulate", str(found.simulation_count)),
+        ("pictures to render", str(found.frame_count)),
         *((f"time of a core, {name}", duration(value)) for name, value in found.core_seconds.items()),
         (f"time of {found.workers} workers", f"{duration(found.seconds)}, by {found.basis}"),
         ("size of what is missing", f"{found.bytes / 1e9:.3g} GB"),

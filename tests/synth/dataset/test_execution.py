@@ -17,9 +17,11 @@ import synth
 from synth.checksums import file_digest, read_checksums
 from synth.dataset.facts import sequence_facts
 from synth.dataset.folder import DataSetError, DataSetFolder
+from synth.dataset.members import Failure
 from synth.dataset.summary import read_facts
 from synth.dataset.tasks import Order, photograph, settle, simulate
 from synth.dataset.versions import decisive_versions
+from synth.dem.failures import SimulationError
 from synth.footage import Footage
 from synth.scene import changed_scene, load_scene
 
@@ -100,7 +102,7 @@ def is_alive(process):
     return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
 
 
-def wait_for(condition, *, seconds=120):
+def wait_for(condition, *, seconds=300):
     end = time.monotonic() + seconds
     while not condition():
         assert time.monotonic() < end, "it did not happen"
@@ -179,7 +181,7 @@ def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(sweep_of, sand_tabl
 def test_a_killed_worker_and_a_killed_client_lose_nothing(sweep_of, sand_tables, start, tmp_path):
     vary = {
         **sand_tables["vary"],
-        "timing.frame_count": [60],
+        "timing.frame_count": [40],
         "motion.angle": [0.001, 0.002],
         "lens.blur": [1.0],
     }
@@ -263,7 +265,8 @@ def test_a_killed_worker_s_simulation_goes_on_from_its_checkpoint(wheel_sweep, s
     assert recordings[0] == recordings[1] and len(recordings[0]) == 2
 
 
-def test_a_member_that_fails_is_told_by_its_tasks_and_leaves_nothing(tiny_wheel, tmp_path):
+@pytest.mark.slow
+def test_a_simulation_that_must_stop_is_a_failure_and_leaves_nothing(tiny_wheel, tmp_path):
     heavy = changed_scene(tiny_wheel, {"implement.normal_load": 400.0})
     folder = DataSetFolder(tmp_path)
     folder.write("sweep.toml", "")
@@ -271,6 +274,21 @@ def test_a_member_that_fails_is_told_by_its_tasks_and_leaves_nothing(tiny_wheel,
     failure = simulate(order, heavy, settle(order, heavy))
     assert failure.stage == "simulation" and "grain" in failure.reason and "\n" not in failure.reason
     assert photograph(order, heavy, failure) is failure
+    assert not (tmp_path / "recordings").exists() and not list((tmp_path / ".work").iterdir())
+
+
+def test_a_stage_s_failure_is_handed_on_and_leaves_nothing(quick_sand, tmp_path, monkeypatch):
+    def stop(*_, checkpoint, **__):
+        checkpoint.mkdir(parents=True)
+        raise SimulationError("grain 7 left the bin", "lower timing.speed_up")
+
+    monkeypatch.setattr(synth, "simulate", stop)
+    folder = DataSetFolder(tmp_path)
+    folder.write("sweep.toml", "")
+    order = Order(folder, "cpu", decisive_versions())
+    failure = simulate(order, quick_sand)
+    assert failure == Failure("simulation", "grain 7 left the bin: lower timing.speed_up")
+    assert photograph(order, quick_sand, failure) is failure
     assert not (tmp_path / "recordings").exists() and not list((tmp_path / ".work").iterdir())
 
 
