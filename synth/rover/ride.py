@@ -37,6 +37,8 @@ class Ride:
         Of the soil in the last step.
     states : WheelStates
         Of the wheels when these were asked for.
+    sideways : ndarray, shape (wheel_count,)
+        Velocity of the axles across the tracks then, m/s.
     """
 
     def __init__(
@@ -63,6 +65,7 @@ class Ride:
         self._angle = self._wrapped_angle()
         count = len(vehicle.wheels)
         self.forces = WheelForces(np.zeros(count), np.zeros(count), np.zeros(count))
+        self._applied = np.zeros((count, 6))
         self.states = self.wheel_states()
 
     @property
@@ -99,38 +102,35 @@ class Ride:
     def wheel_states(self) -> WheelStates:
         """Where the wheels are and how they move, in the order of the vehicle's wheels."""
         data, bodies = self.data, self.vehicle.wheel_bodies
-        wrapped = self._wrapped_angle()
-        self._angle = self._angle + _shortest_turn(wrapped - self._angle)
-        place, spin, velocity = data.xpos[bodies], data.cvel[bodies, :3], self._hub_velocity()
+        self._angle = self._angle + _shortest_turn(self._wrapped_angle() - self._angle)
+        # `cvel` is turn and velocity at the centre of mass of the whole vehicle: on to the axles.
+        turn_x, turn_y, turn_z, velocity_x, velocity_y, velocity_z = data.cvel.take(bodies, axis=0).T
+        place = data.xpos.take(bodies, axis=0)
+        arm_x, arm_y, arm_z = (place - data.subtree_com[self.vehicle.main_body]).T
+        self.sideways = velocity_y + turn_z * arm_x - turn_x * arm_z
         return WheelStates(
-            place[:, 0], place[:, 2], velocity[:, 0], velocity[:, 2], self._angle.copy(), spin[:, 1]
+            place[:, 0],
+            place[:, 2],
+            velocity_x + turn_y * arm_z - turn_z * arm_y,
+            velocity_z + turn_x * arm_y - turn_y * arm_x,
+            self._angle,
+            turn_y,
         )
 
-    def _hub_velocity(self) -> NDArray:
-        """Velocity of the axles, m/s: `cvel` is that at the centre of mass of the whole vehicle."""
-        data, bodies = self.data, self.vehicle.wheel_bodies
-        arm = data.xpos[bodies] - data.subtree_com[self.vehicle.main_body]
-        turn = data.cvel[bodies, :3]
-        velocity = data.cvel[bodies, 3:].copy()
-        velocity[:, 0] += turn[:, 1] * arm[:, 2] - turn[:, 2] * arm[:, 1]
-        velocity[:, 1] += turn[:, 2] * arm[:, 0] - turn[:, 0] * arm[:, 2]
-        velocity[:, 2] += turn[:, 0] * arm[:, 1] - turn[:, 1] * arm[:, 0]
-        return velocity
-
     def _wrapped_angle(self) -> NDArray:
-        matrix = self.data.xmat[self.vehicle.wheel_bodies]
+        matrix = self.data.xmat.take(self.vehicle.wheel_bodies, axis=0)
         return np.arctan2(matrix[:, 2], matrix[:, 0])
 
     def _apply(self, forces: WheelForces) -> None:
-        applied, bodies, rear = self.data.xfrc_applied, self.vehicle.wheel_bodies, self.vehicle.rear_bodies
-        sideways = self._hub_velocity()[:, 1]
-        applied[bodies, 0] = forces.force_x
-        applied[bodies, 1] = (
-            -SIDE_FRICTION * np.maximum(forces.force_z, 0.0) * np.tanh(sideways / _SIDE_CREEP)
+        applied, rear = self._applied, self.vehicle.rear_wheels
+        applied[:, 0] = forces.force_x
+        applied[:, 1] = (
+            -SIDE_FRICTION * np.maximum(forces.force_z, 0.0) * np.tanh(self.sideways / _SIDE_CREEP)
         )
-        applied[bodies, 2] = forces.force_z
-        applied[bodies, 4] = forces.torque
+        applied[:, 2] = forces.force_z
+        applied[:, 4] = forces.torque
         applied[rear, 0] -= self.pull / rear.size
+        self.data.xfrc_applied[self.vehicle.wheel_bodies] = applied
 
 
 def _shortest_turn(angle: NDArray) -> NDArray:

@@ -82,11 +82,6 @@ class Vehicle:
         return np.flatnonzero([wheel.is_rear for wheel in self.wheels])
 
     @cached_property
-    def rear_bodies(self) -> NDArray:
-        """Bodies of the rear wheels."""
-        return self.wheel_bodies[self.rear_wheels]
-
-    @cached_property
     def main_body(self) -> int:
         """The body that carries all others; travel is measured on it."""
         return int(self.model.body_rootid[self.wheels[0].body])

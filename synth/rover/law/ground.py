@@ -36,9 +36,11 @@ class Tracks:
     def height(self, x: NDArray) -> NDArray:
         """Surface at places x (wheel_count, n), m, linear between columns."""
         column, share = self._columns_at(x)
-        rows = self._track[:, None]
-        low = self._height[rows, column]
-        return low + share * (self._height[rows, column + 1] - low)
+        column += self._track[:, None] * self._height.shape[1]
+        heights = self._height.reshape(-1)
+        low = heights.take(column)
+        column += 1
+        return low + share * (heights.take(column) - low)
 
     def passes(self, x: NDArray) -> NDArray:
         """How often an axle passed over the column next to x (wheel_count, n)."""
@@ -50,10 +52,11 @@ class Tracks:
         column = np.floor(x / self._spacing).astype(np.int64)
         if self._column is None:
             self._column = column
-        if np.array_equal(column, self._column):
+        passing = column != self._column
+        if not passing.any():
             return
         self._reach(float(x.min()), float(x.max()))
-        for wheel in np.flatnonzero(column != self._column):
+        for wheel in np.flatnonzero(passing):
             first, last = sorted((int(self._column[wheel]), int(column[wheel])))
             self._lower(int(self._track[wheel]), first, last, float(lowest[wheel]))
         self._column = column

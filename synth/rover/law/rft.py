@@ -78,11 +78,6 @@ class Flow:
     into: NDArray
     along: NDArray
 
-    @property
-    def work(self) -> NDArray:
-        """Dissipated per displacement and area, Pa: what a traction may do against this motion at most."""
-        return self.pressure * self.into - self.shear * self.along
-
 
 class ResistiveForceLaw(RimLaw[ResistiveSoil]):
     """Resistive force theory as the yield surface of elastic elements."""
@@ -103,7 +98,7 @@ class ResistiveForceLaw(RimLaw[ResistiveSoil]):
         pressure = np.maximum(self.pressure + soil.stiffness * into, 0.0)
         shear = self.shear - soil.stiffness * soil.shear_share * along
         # What the elastic traction would do beyond what flowing soil takes is flow.
-        excess = np.maximum(pressure * flow.into - shear * flow.along - flow.work, 0.0)
+        excess = np.maximum((pressure - flow.pressure) * flow.into - (shear - flow.shear) * flow.along, 0.0)
         excess *= flow.into > 0
         resists = flow.into * flow.into + soil.shear_share * flow.along * flow.along + _LEAST_TRACTION
         given = excess / resists

@@ -63,7 +63,8 @@ class Rims:
         moved = turns - (turns if self._turns is None else self._turns)
         self._turns = turns
         place = self._first + ((turned - turns) * self.pitch)[:, None]
-        return RimElements(np.sin(place), np.cos(place), moved.astype(np.int64))
+        sine = np.sin(place)
+        return RimElements(sine, np.sqrt(1 - sine * sine), moved.astype(np.int64))
 
 
 def carried(state: NDArray, moved: NDArray) -> NDArray:

@@ -122,19 +122,22 @@ class RimLaw(ABC, Generic[Soil]):
         self._tracks.follow(states.x, states.z - radius[:, 0] + self._deflection.max(axis=1))
         if self._rim_stiffness is not None:
             reach = radius - self._deflection
-            slope = np.gradient(self._deflection, self._rims.pitch, axis=1) / reach
+            slope = _slope(self._deflection, self._rims.pitch) / reach
             length = np.sqrt(1 + slope * slope)
             sine, cosine = (sine + slope * cosine) / length, (cosine - slope * sine) / length
         x = states.x[:, None] + reach * rim.sine
         depth = self._tracks.height(x) - states.z[:, None] + reach * rim.cosine
         velocity_x, velocity_z = states.velocity_x[:, None], states.velocity_z[:, None]
-        into = velocity_x * sine - velocity_z * cosine - self._deflecting
+        into = velocity_x * sine - velocity_z * cosine
+        if self._rim_stiffness is not None:
+            into -= self._deflecting
         along = velocity_x * cosine + velocity_z * sine - radius * states.spin[:, None]
         return Touch(sine, cosine, np.maximum(depth, 0.0), into, along, x)
 
     def _deflect(self, stiffness: float, time_step: float) -> None:
-        pressed = np.pad(self.pressure, ((0, 0), (1, 1)))
-        pressed = 0.25 * (pressed[:, :-2] + 2 * pressed[:, 1:-1] + pressed[:, 2:])
+        pressed = 0.5 * self.pressure
+        pressed[:, 1:] += 0.25 * self.pressure[:, :-1]
+        pressed[:, :-1] += 0.25 * self.pressure[:, 1:]
         by = self._relaxation * (pressed / stiffness - self._deflection)
         self._deflection = self._deflection + by
         self._deflecting = by / time_step
@@ -148,3 +151,12 @@ class RimLaw(ABC, Generic[Soil]):
     def _torque(self, touch: Touch, force_x: NDArray, force_z: NDArray) -> NDArray:
         """Of the shear alone: pressure does no work on an element as the rim turns under it."""
         return -(self._rims.radius * self._rims.area * self.shear).sum(axis=1)
+
+
+def _slope(values: NDArray, spacing: float) -> NDArray:
+    """Derivative along the rows as `numpy.gradient` has it, which takes ten times as long."""
+    slope = np.empty_like(values)
+    slope[:, 1:-1] = (values[:, 2:] - values[:, :-2]) * (0.5 / spacing)
+    slope[:, 0] = (values[:, 1] - values[:, 0]) / spacing
+    slope[:, -1] = (values[:, -1] - values[:, -2]) / spacing
+    return slope
