@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 from synth.rover.law.catalogue import loose_grc1
-from synth.rover.law.identification import Identification, Trial, identify, predict
+from synth.rover.law.identification import FIRST_SHEAR_SHARE, Identification, Trial, identify, predict
 from synth.rover.law.rft import ResistiveForceLaw
 from synth.scene import SoilBinScene
 from validation import chain
@@ -96,7 +96,9 @@ def find(several: Sequence[Case], runs: Path, rig_trials: list[Trial] | None, te
     steady = [SteadyRun.read(case.label, case.scene, files[case.label]) for case in several if case.fitted]
     with terminal.progress("fit the law") as progress:
         identification = identify(
-            [one.trial for one in steady], loose_grc1(), progress=lambda done: progress(min(done, 30), 30)
+            [one.trial for one in steady],
+            loose_grc1(shear_share=FIRST_SHEAR_SHARE),
+            progress=lambda done: progress(min(done, 30), 30),
         )
     soil = identification.soil
     moving = [case for case in several if not case.fitted and case.scene.drive.kind != "rolling"]

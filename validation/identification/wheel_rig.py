@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from synth.rover.law.catalogue import loose_grc1
-from synth.rover.law.identification import Identification, Trial, identify, predict
+from synth.rover.law.identification import FIRST_SHEAR_SHARE, Identification, Trial, identify, predict
 from synth.rover.law.response import published_scale
 from synth.rover.law.rft import ResistiveForceLaw
 
@@ -67,10 +67,10 @@ def read_trials(path: Path) -> list[Trial]:
 def compare_with_rig(trials: list[Trial]) -> RigComparison:
     """Fit scale, surface friction and shear stiffness to the driven trials, predict all.
 
-    `unfitted` is the law with the scale published for the sand's density and friction, and default constants.
+    `unfitted` is the law with the scale published for the sand's density and friction, where the fit begins.
     """
     scale = published_scale(density=DENSITY, friction_angle=REPOSE)
-    grains = loose_grc1()
+    grains = loose_grc1(shear_share=FIRST_SHEAR_SHARE)
     ratio = grains.stiffness / grains.scale
     start = replace(grains, scale=scale, stiffness=ratio * scale, damping_time=0.0)
     found = identify([one for one in trials if one.slip >= _BRAKED], start)

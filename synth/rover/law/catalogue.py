@@ -19,8 +19,8 @@ _SURFACE_FRICTION = 0.5
 """Assumed: a wheel covered with what it rolls on, as in the scenes."""
 _STIFFNESS_RATIO = 5.0
 """Elastic stiffness / scale; assumed."""
-_SHEAR_SHARE = 0.06
-"""Of the elastic stiffness, along the surface: assumed, within what docs/wheel_law.md identifies."""
+_SHEAR_SHARE = 0.19
+"""Of the elastic stiffness, along the surface: found on a real wheel in sand (docs/wheel_law.md)."""
 _RUT_SHARE = 0.5
 """Of the sinkage, left as rut: seen behind the wheel in the granular bin."""
 _BEKKER = BekkerSoil(
@@ -76,14 +76,16 @@ def make_law(
     return kinds[name](soil, rim_stiffness=rim_stiffness)
 
 
-def loose_grc1() -> ResistiveSoil:
-    """Loose GRC-1 from published density and friction angle; nothing fitted to wheels."""
-    scale = published_scale(density=_DENSITY, friction_angle=_FRICTION_ANGLE)
+def loose_grc1(
+    *, friction_angle: float = _FRICTION_ANGLE, shear_share: float = _SHEAR_SHARE
+) -> ResistiveSoil:
+    """Loose GRC-1: scale by published density and friction angle (deg)."""
+    scale = published_scale(density=_DENSITY, friction_angle=friction_angle)
     return ResistiveSoil(
         scale=scale,
         surface_friction=_SURFACE_FRICTION,
         stiffness=_STIFFNESS_RATIO * scale,
-        shear_share=_SHEAR_SHARE,
+        shear_share=shear_share,
         rut_share=_RUT_SHARE,
     )
 

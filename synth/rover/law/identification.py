@@ -22,6 +22,8 @@ BOUNDS: Mapping[str, tuple[float, float]] = {
     "hardening": (0.1, 10.0),
 }
 """Where constants are looked for."""
+FIRST_SHEAR_SHARE = 0.06
+"""Where a fit begins; far from what it finds on the real wheel."""
 _STEPS = 600
 _EVALUATIONS = 30
 _DIFFERENCE = 0.03
