@@ -14,9 +14,13 @@ ROLLING_STEP = 0.5
 """m of travel at one load ("increased approximately every 0.5 m", the paper's Fig. 17)."""
 CYCLES = 2
 """At one load ("held constant for at least two inching cycles", Fig. 17); the last is measured."""
-_SAMPLING = 1.0  # s, of the total station
+_SAMPLING = 1.0  # s, of the total station; a rover that is soon through with a step is looked at more often
 _LONGEST = 3.0  # times what a step takes without travel reduction
 _FEWEST_SAMPLES = 6
+_SETTLED_OVER = 4  # samples whose mean velocity is compared with that of as many before
+_SETTLED_TO = 0.01  # of the rim's speed
+STUCK = 0.95
+"""Travel reduction at which steps of the load end: from there on a rover digs in where it is."""
 _SETTLING = 2.0  # s at rest before it starts
 _TENSIONING = 0.5  # s in which the cable's tension rises to the next load
 _PULLED_BACK = 0.25  # m at one load, after which it is over
@@ -31,7 +35,7 @@ class LoadSteps:
     loads : tuple of float
         Rising, without the 0 that every test begins with. Empty: steps of `coarse`, a half of that where
         the last one took more than 3 % of travel, a quarter where more than 10 %, until the vehicle is
-        pulled back.
+        stuck (`STUCK`).
     coarse : float
     """
 
@@ -49,6 +53,8 @@ class LoadSteps:
         if self.loads:
             return self.loads[len(points) - 1] if len(points) <= len(self.loads) else None
         last = points[-1]
+        if last.travel_reduction >= STUCK:
+            return None
         took = last.travel_reduction - points[-2].travel_reduction if len(points) > 1 else 0.0
         part = 1 if took < 0.03 else 2 if took < 0.1 else 4
         return last.drawbar_pull_ratio + self.coarse / part
@@ -107,23 +113,31 @@ class DrawbarTest:
     gait : Rolling or Inching
     time_step : float, optional
         s; the model's own by default.
+    cycles : int
+        At one load; the last is measured.
     """
 
     def __init__(
-        self, vehicle: Vehicle, law: WheelSoilLaw, gait: Rolling | Inching, *, time_step: float | None = None
+        self,
+        vehicle: Vehicle,
+        law: WheelSoilLaw,
+        gait: Rolling | Inching,
+        *,
+        time_step: float | None = None,
+        cycles: int = CYCLES,
     ) -> None:
-        self.gait = gait
+        self.gait, self._cycles = gait, cycles
         self.ride = Ride(vehicle, law, stance=gait.stance, time_step=time_step)
         self._settle()
         self._started = self.ride.time
 
     def points(self, steps: LoadSteps) -> Iterator[DrawbarPoint]:
-        """Measure load after load, the first without any, until the vehicle no longer moves forward.
+        """Measure load after load, the first without any, as `steps` has them.
 
-        The last point is the first with a travel reduction of 1 or more.
+        None follows a travel reduction of 1 or more.
         """
         weight = self.ride.vehicle.weight
-        self._measure()  # run in: the first way leads over undisturbed soil for all wheels
+        self._measure()  # the first way leads over undisturbed soil for all wheels
         free = self._measure()
         done = [
             DrawbarPoint(
@@ -145,7 +159,7 @@ class DrawbarTest:
         """Velocity over the last cycle: one distance at the start of each."""
         assert self.gait.cycle
         distances = [self.ride.travel]
-        for _ in range(CYCLES):
+        for _ in range(self._cycles):
             balance = self._ride_on(self.gait.cycle)
             distances.append(self.ride.travel)
             if distances[-1] - distances[-2] < -_PULLED_BACK:
@@ -153,18 +167,40 @@ class DrawbarTest:
         return _Measured(float(velocities(distances, self.gait.cycle)[-1]), balance.means())
 
     def _measure_way(self) -> _Measured:
-        """Velocity over the later half of a load step: distances at 1 Hz."""
+        """Velocity over the later half of a load step: distances at 1 Hz, or six in its usual time.
+
+        A step ends after its way, or when a rover that is nearly stuck no longer changes its speed.
+        """
         distances, balances = [self.ride.travel], []
-        longest = max(_LONGEST * ROLLING_STEP / self.gait.speed, _FEWEST_SAMPLES * _SAMPLING)
-        while len(distances) <= longest / _SAMPLING:
-            balances.append(self._ride_on(_SAMPLING))
+        sampling = self._sampling()
+        while len(distances) <= _LONGEST * self._usual / sampling:
+            balances.append(self._ride_on(sampling))
             distances.append(self.ride.travel)
             gone = distances[-1] - distances[0]
-            if gone < -_PULLED_BACK or (gone > ROLLING_STEP and len(distances) > _FEWEST_SAMPLES):
+            gone_far = gone > ROLLING_STEP and len(distances) > _FEWEST_SAMPLES
+            if gone < -_PULLED_BACK or gone_far or self._settled(distances, sampling):
                 break
         later = len(balances) // 2
-        velocity = float(velocities(distances[later:], _SAMPLING).mean())
+        velocity = float(velocities(distances[later:], sampling).mean())
         return _Measured(velocity, means_over(balances[later:]))
+
+    @property
+    def _usual(self) -> float:
+        """Time that a step takes without a load, s."""
+        return ROLLING_STEP / self.gait.speed
+
+    def _sampling(self) -> float:
+        """Time between two distances, s: whole time steps."""
+        step = self.ride.time_step
+        return round(min(_SAMPLING, self._usual / _FEWEST_SAMPLES) / step) * step
+
+    def _settled(self, distances: Sequence[float], sampling: float) -> bool:
+        """Whether a rover that took longer than a step takes without a load keeps its speed."""
+        if len(distances) < max(self._usual / sampling, 3 * _SETTLED_OVER):
+            return False
+        found = velocities(distances, sampling)
+        late, before = found[-_SETTLED_OVER:], found[-2 * _SETTLED_OVER : -_SETTLED_OVER]
+        return abs(float(late.mean() - before.mean())) < _SETTLED_TO * self.gait.speed
 
     def _ride_on(self, duration: float) -> Balance:
         balance = Balance(self.ride)
