@@ -9,7 +9,7 @@ from validation.cli.app import app
 from validation.cli.options import Debug, Json
 from validation.terminal import Terminal
 
-_GAITS, _WHEELS = ("rolling", "inching"), ("rigid", "pneumatic")
+_GAITS = ("rolling", "inching")
 
 
 @app.command()
@@ -38,24 +38,40 @@ def drawbar(
             "--load",
             metavar="RATIO",
             help="Drawbar pull / vehicle weight, rising; may repeat.",
-            show_default="steps up to where the vehicle stands",
+            show_default="steps up to a travel reduction of 95 %",
         ),
     ] = None,
     soil: Annotated[
-        Path | None,
+        str | None,
         typer.Option(
             "--soil",
-            metavar="FILE",
-            help="identification.json of softbed identify, for rft.",
+            metavar="FILE|dem",
+            help="identification.json of softbed identify, for rft; or dem: the grains themselves instead of "
+            "a law, rigid wheels, three loads.",
             show_default="loose GRC-1, by published values",
         ),
     ] = None,
     vehicle: Annotated[
         str, typer.Option(metavar="NAME", help="A shipped vehicle's name or an MJCF file with named wheels.")
     ] = "scarab",
-    speed: Annotated[float, typer.Option(metavar="M/S", help="Of the rim of a rolling wheel.")] = 0.06,
+    speed: Annotated[
+        float | None,
+        typer.Option(metavar="M/S", help="Of the rim of a rolling wheel.", show_default="0.06; dem 0.18"),
+    ] = None,
     film: Annotated[
         bool, typer.Option("--film", help="Also a film of one inching cycle at half its pull.")
+    ] = False,
+    glass: Annotated[
+        list[Path] | None,
+        typer.Option(
+            "--glass",
+            metavar="RUN",
+            help="Run folder of a rolling and one of a pushed wheel: OUT/glass.png, soil beside forces.",
+        ),
+    ] = None,
+    ranges: Annotated[
+        bool,
+        typer.Option("--range", help="Also over the range of what is assumed, rigid wheels, four loads."),
     ] = False,
     processes: Annotated[
         int | None,
@@ -69,28 +85,34 @@ def drawbar(
 
     Carried out again, it measures only what is missing.
     """
-    from synth.rover.drawbar import LoadSteps
-    from validation.drawbar.curve import CurveOrder
+    from validation.drawbar.curve import orders_of
     from validation.drawbar.document import drawbar_document, drawbar_table, ratio_lines
     from validation.drawbar.experiment import carry_out
-    from validation.drawbar.files import write_results
+    from validation.drawbar.files import write_range, write_results
     from validation.drawbar.scene_picture import draw_without_display
+    from validation.drawbar.variation import range_table, varied_orders
 
     draw_without_display()
     terminal = Terminal(json=json)
-    steps = LoadSteps(loads=tuple(load or ()))
-    orders = [
-        CurveOrder(
-            vehicle, one_gait, one_wheel, one_law, steps, speed, soil=None if soil is None else str(soil)
-        )
-        for one_law in law or ["rft"]
-        for one_wheel in wheel or _WHEELS
-        for one_gait in gait or _GAITS
-    ]
+    orders = orders_of(
+        vehicle,
+        gaits=gait or _GAITS,
+        wheels=wheel,
+        laws=law,
+        loads=load or (),
+        speed=speed,
+        soil=soil,
+    )
+    varied = varied_orders(vehicle, gait or _GAITS) if ranges else []
     with terminal.working():
-        curves = carry_out(orders, out, processes=processes, overwrite=overwrite, terminal=terminal)
-        files = write_results(curves, out, film=film, terminal=terminal)
+        every = carry_out(orders + varied, out, processes=processes, overwrite=overwrite, terminal=terminal)
+        curves = [curve for curve in every if not curve.order.variation]
+        files = write_results(curves, out, film=film, glass=glass or (), terminal=terminal)
     terminal.show(drawbar_table(curves))
+    if ranges:
+        over_range = [curve for curve in every if curve.order.variation]
+        terminal.show(range_table(over_range))
+        files.append(write_range(over_range, out / "range.csv"))
     if lines := ratio_lines(curves):
         terminal.show(lines)
     terminal.show(", ".join(str(file) for file in files))

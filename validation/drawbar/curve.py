@@ -1,14 +1,26 @@
 """A curve of travel reduction against drawbar pull: what to measure, and what was measured."""
 
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass, field
 from typing import Any
 
 from synth.rover.drawbar import DrawbarPoint, LoadSteps
 from synth.rover.gaits import DEFAULT_SPEED
-from synth.rover.travel_reduction import pull_at
+from synth.rover.travel_reduction import pull_at as pull_between
 
+WHEELS = ("rigid", "pneumatic")
 REDUCTIONS = (0.1, 0.2, 0.4)
 """Travel reductions at which curves are compared."""
+HIGH_REDUCTION = 0.9
+"""Where the drawbar pull counts as the maximum: "near the top of the figure" (the paper's Fig. 17)."""
+GRAINS = "dem"
+"""In the place of a law: the granular simulator."""
+GRAIN_LOADS = (0.08, 0.16, 0.24)
+"""Drawbar pulls over weight that take it some minutes."""
+GRAIN_SPEED = 0.18
+"""m/s of the rim: three times the rover's, so that it takes a third of the time."""
+COARSE_STEPS = {"rolling": 0.012, "inching": 0.016}
+"""Steps of drawbar pull over weight; an inching cycle takes longer than half a metre of rolling."""
 
 
 @dataclass(frozen=True)
@@ -22,7 +34,7 @@ class CurveOrder:
     gait : str
         `rolling` or `inching`.
     wheel, law : str
-        As `synth.rover.law.catalogue.make_law` has them.
+        As `synth.rover.law.catalogue.make_law` has them; or law `GRAINS`.
     steps : LoadSteps
     speed : float
         Of the rim, m/s.
@@ -30,6 +42,8 @@ class CurveOrder:
         s; None: the model's own.
     soil : str or None
         File that `softbed identify` wrote; None: loose GRC-1 by published values.
+    variation : str
+        Name of what is changed of what is assumed, in `validation.drawbar.variation`; empty: nothing.
     """
 
     vehicle: str
@@ -40,11 +54,13 @@ class CurveOrder:
     speed: float = DEFAULT_SPEED
     time_step: float | None = None
     soil: str | None = None
+    variation: str = ""
 
     @property
     def name(self) -> str:
         """Names its file."""
-        return f"{self.gait}-{self.wheel}-{self.law}"
+        what = (self.gait, self.wheel, self.law, self.variation)
+        return "-".join(part for part in what if part)
 
     @property
     def published_name(self) -> str:
@@ -62,6 +78,48 @@ class CurveOrder:
         """From what `to_dict` gave."""
         steps = LoadSteps(loads=tuple(told["steps"]["loads"]), coarse=told["steps"]["coarse"])
         return CurveOrder(**(told | {"steps": steps}))
+
+
+def orders_of(
+    vehicle: str,
+    *,
+    gaits: Sequence[str],
+    wheels: Sequence[str] | None = None,
+    laws: Sequence[str] | None = None,
+    loads: Sequence[float] = (),
+    speed: float | None = None,
+    soil: str | None = None,
+) -> list[CurveOrder]:
+    """Every gait with every wheel and law; what is not told is as `softbed drawbar` has it.
+
+    Parameters
+    ----------
+    soil : str, optional
+        File that `softbed identify` wrote, or `GRAINS`.
+
+    Raises
+    ------
+    ValueError
+        Laws are told beside the grains.
+    """
+    grains = soil == GRAINS
+    if grains and laws:
+        raise ValueError(f"law = {', '.join(laws)}: none beside --soil {GRAINS}, which is no law")
+    loads = tuple(loads) or (GRAIN_LOADS if grains else ())
+    return [
+        CurveOrder(
+            vehicle,
+            gait,
+            wheel,
+            law,
+            LoadSteps(loads=tuple(loads), coarse=COARSE_STEPS.get(gait, COARSE_STEPS["rolling"])),
+            speed=(GRAIN_SPEED if grains else DEFAULT_SPEED) if speed is None else speed,
+            soil=None if grains else soil,
+        )
+        for law in ([GRAINS] if grains else laws or ["rft"])
+        for wheel in wheels or (["rigid"] if grains else WHEELS)
+        for gait in gaits
+    ]
 
 
 @dataclass(frozen=True)
@@ -83,14 +141,14 @@ class Curve:
 
     @property
     def maximum(self) -> float:
-        """Drawbar pull over weight at which the vehicle stands; the greatest load, if it never does."""
-        standing = self._pull_at(1.0)
-        return self.points[-1].drawbar_pull_ratio if standing is None else standing
+        """Drawbar pull over weight at `HIGH_REDUCTION`; the greatest load, if it was not reached."""
+        high = self.pull_at(HIGH_REDUCTION)
+        return self.points[-1].drawbar_pull_ratio if high is None else high
 
     @property
     def reached(self) -> bool:
-        """Whether the loads went up to where the vehicle stands."""
-        return self.points[-1].travel_reduction >= 1
+        """Whether the loads went up to `HIGH_REDUCTION`."""
+        return max(point.travel_reduction for point in self.points) >= HIGH_REDUCTION
 
     @property
     def moving(self) -> tuple[DrawbarPoint, ...]:
@@ -100,7 +158,7 @@ class Curve:
     @property
     def at_travel_reduction(self) -> dict[str, float | None]:
         """Drawbar pull over weight at travel reductions; None where the loads did not get there."""
-        return {f"{reduction:g}": self._pull_at(reduction) for reduction in REDUCTIONS}
+        return {f"{reduction:g}": self.pull_at(reduction) for reduction in REDUCTIONS}
 
     def to_dict(self) -> dict[str, Any]:
         """As JSON holds it."""
@@ -113,6 +171,7 @@ class Curve:
         points = tuple(DrawbarPoint.from_dict(point) for point in told["points"])
         return Curve(CurveOrder.from_dict(told["order"]), told["vehicle_weight"], points)
 
-    def _pull_at(self, reduction: float) -> float | None:
+    def pull_at(self, reduction: float) -> float | None:
+        """Drawbar pull over weight at a travel reduction; None where the loads did not get there."""
         pulls = [point.drawbar_pull_ratio for point in self.points]
-        return pull_at(reduction, pulls, [point.travel_reduction for point in self.points])
+        return pull_between(reduction, pulls, [point.travel_reduction for point in self.points])

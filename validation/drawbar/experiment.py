@@ -11,17 +11,21 @@ from pathlib import Path
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
-from validation.drawbar.curve import Curve, CurveOrder
+from validation.drawbar.curve import GRAINS, Curve, CurveOrder
+from validation.drawbar.variation import find_variation
 from validation.processes import end_with_parent, worker_processes
 from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 from validation.versions import package_version
 
 if TYPE_CHECKING:
-    from synth.rover.law.rim_law import RimLaw
+    from synth.rover.law.interface import WheelSoilLaw
+    from synth.scene import SoilBinScene
 
 CURVES = "curves"
 """Folder with one JSON file for each curve, forces on the wheels with it."""
+GRAIN_SCENE = "studies/rover_bin"
+"""Whose bin and soil the grains are of."""
 _MADE_BY = ("softbed", "mujoco", "numpy")
 _EXPECTED = 30
 """Points of a curve, for the progress."""
@@ -75,14 +79,19 @@ def carry_out(
 
 def measure(order: CurveOrder) -> Iterator[Curve]:
     """Measure a curve; given after each point, as far as it is."""
-    from synth.rover.drawbar import DrawbarTest
+    from synth.rover.drawbar import CYCLES, DrawbarTest
     from synth.rover.gaits import make_gait
     from synth.rover.vehicle import load_vehicle
 
     vehicle = load_vehicle(order.vehicle)
-    law = law_of(order)
-    gait = make_gait(order.gait, vehicle, speed=order.speed)
-    test = DrawbarTest(vehicle, law, gait, time_step=order.time_step)
+    if order.variation:
+        variation = find_variation(order.variation)
+        variation.on_vehicle(vehicle)
+        gait = variation.gait(order.gait, vehicle, order.speed)
+    else:
+        gait = make_gait(order.gait, vehicle, speed=order.speed)
+    cycles = 1 if order.law == GRAINS else CYCLES  # a bin has an end
+    test = DrawbarTest(vehicle, law_of(order), gait, time_step=order.time_step, cycles=cycles)
     points = []
     for point in test.points(order.steps):
         points.append(point)
@@ -95,19 +104,50 @@ def _require(order: CurveOrder) -> None:
     from synth.rover.vehicle import load_vehicle
 
     make_gait(order.gait, load_vehicle(order.vehicle), speed=order.speed)
-    law_of(order)
+    if order.law != GRAINS:
+        law_of(order)
+    elif order.wheel != "rigid":
+        raise ValueError(f"wheel = {order.wheel!r}: grains (--soil dem) are for rigid wheels")
 
 
-def law_of(order: CurveOrder) -> "RimLaw":
-    """The wheel-soil law of an order, with its soil."""
+def law_of(order: CurveOrder) -> "WheelSoilLaw":
+    """The wheel-soil law of an order, with its soil; or the grains themselves."""
+    if order.law == GRAINS:
+        return _grains()
     from synth.rover.law.catalogue import make_law, read_soil
 
     soil = None if order.soil is None else read_soil(order.soil)
+    if order.variation:
+        soil = find_variation(order.variation).soil()
     return make_law(order.law, wheel=order.wheel, soil=soil)  # type: ignore[arg-type]
 
 
+def _grains() -> "WheelSoilLaw":
+    """The granular simulator, on one thread: curves are measured side by side."""
+    from synth.dem.bed import settled_bed
+    from synth.devices import start_taichi
+    from synth.rover.grains.granular_soil import GranularSoil
+
+    start_taichi(threads=1)
+    scene = _grain_scene()
+    return GranularSoil(scene, settled_bed(scene))
+
+
+def _grain_scene() -> "SoilBinScene":
+    from synth.scene import SoilBinScene, load_scene
+
+    scene = load_scene(GRAIN_SCENE)
+    assert isinstance(scene, SoilBinScene)
+    return scene
+
+
 def _longest_first(orders: Sequence[CurveOrder]) -> list[CurveOrder]:
-    return sorted(orders, key=lambda order: order.gait != "inching")
+    """What is varied comes after the rest, both gaits of a variation together."""
+
+    def rank(order: CurveOrder) -> int:
+        return 2 if order.variation else int(order.gait != "inching")
+
+    return sorted(orders, key=rank)
 
 
 def _in_parallel(
@@ -167,4 +207,5 @@ def made_by(order: CurveOrder) -> dict[str, str]:
     for path in sorted(load_vehicle(order.vehicle).path.parent.glob("*.xml")):
         digest.update(path.read_bytes())
     versions = {name: package_version(name) for name in _MADE_BY}
-    return versions | {"vehicle": digest.hexdigest(), "soil": repr(getattr(law_of(order), "soil", None))}
+    soil = _grain_scene() if order.law == GRAINS else getattr(law_of(order), "soil", None)
+    return versions | {"vehicle": digest.hexdigest(), "soil": repr(soil)}

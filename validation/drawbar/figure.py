@@ -16,7 +16,7 @@ if TYPE_CHECKING:
 _COLOURS = {"rolling": "#4c78a8", "inching": "#e45756"}
 _AXLES = {"front": "#b07d2b", "rear": "#54a24b"}
 _MARKS = {"rigid": "o", "pneumatic": "^"}
-_LINES = {"rft": "-", "bwj": "--", "scm": ":"}
+_LINES = {"rft": "-", "bwj": "--", "scm": ":", "dem": "-."}
 
 
 def travel_reduction_figure(curves: Sequence[Curve]) -> "Figure":
@@ -65,10 +65,8 @@ def balance_figure(curves: Sequence[Curve]) -> "Figure":
 
 def _draw_curve(axes: "Axes", curve: Curve) -> None:
     order = curve.order
-    pull = [point.drawbar_pull_ratio for point in curve.moving]
-    lost = [100 * point.travel_reduction for point in curve.moving]
-    if curve.reached:
-        pull, lost = [*pull, curve.maximum], [*lost, 100.0]
+    pull = [point.drawbar_pull_ratio for point in curve.points]
+    lost = [100 * point.travel_reduction for point in curve.points]
     axes.plot(
         pull, lost, _LINES.get(order.law, "-"), marker=_MARKS[order.wheel], markersize=4, linewidth=1.2,
         color=_COLOURS[order.gait], markerfacecolor="none" if order.wheel == "pneumatic" else None,
