@@ -15,6 +15,9 @@ HINT = "dask.distributed is not installed: pip install 'softbed[cluster]'"
 _DASHBOARD = "127.0.0.1:8787"
 """Where it is looked for; dask takes another port where this one is taken."""
 _CONNECT_SECONDS = 30
+_PATIENT = {"distributed.deploy.lost-worker-timeout": "1 day"}
+"""A worker that died is started again, which takes more than dask's 15 s on a busy machine: then it would be
+given up, and once the last one is, a sweep would wait for ever."""
 
 
 class ClusterError(ValueError):
@@ -71,10 +74,11 @@ def _connected(address: str) -> "Iterator[Client]":
 
 @contextmanager
 def _local(workers: int | None, device: str) -> "Iterator[Client]":
+    import dask
     from dask.system import CPU_COUNT
     from distributed import Client, LocalCluster
 
-    with warnings.catch_warnings():
+    with dask.config.set(_PATIENT), warnings.catch_warnings():
         warnings.filterwarnings("ignore", message="Port .* is already in use")
         cluster = LocalCluster(
             n_workers=workers or (1 if device == "cuda" else CPU_COUNT),
@@ -83,7 +87,7 @@ def _local(workers: int | None, device: str) -> "Iterator[Client]":
             dashboard_address=_DASHBOARD if _has_dashboard() else None,
             silence_logs=logging.CRITICAL,  # what fails is told once, by us
         )
-    with cluster, Client(cluster) as client:
+    with dask.config.set(_PATIENT), cluster, Client(cluster) as client:
         yield client
         client.run(_keep_kernels)
 
