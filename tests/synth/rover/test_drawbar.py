@@ -91,13 +91,17 @@ def test_points_survive_json(scarab):
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    ("gait", "loads"), [(Rolling, (0.12, 0.16, 0.2, 0.22, 0.24)), (Inching, (0.12, 0.2, 0.24, 0.28))]
+    ("gait", "loads", "reduction"),
+    [
+        (Rolling, (0.12, 0.16, 0.2, 0.22, 0.24), 0.9),
+        (Inching, (0.12, 0.2, 0.24), 0.2),  # beyond, it digs in by chance: see docs/scarab.md
+    ],
 )
-def test_half_the_time_step_changes_the_maximum_little(scarab, gait, loads):
-    maxima = []
+def test_half_the_time_step_changes_the_pull_little(scarab, gait, loads, reduction):
+    found = []
     for time_step in (0.001, 0.0005):
         test = DrawbarTest(scarab, make_law("rft"), gait(scarab), time_step=time_step)
         points = list(test.points(LoadSteps(loads=loads)))
         pulls, reductions = zip(*((p.drawbar_pull_ratio, p.travel_reduction) for p in points), strict=True)
-        maxima.append(pull_at(0.9, pulls, reductions))
-    assert maxima[1] == pytest.approx(maxima[0], rel=0.02)
+        found.append(pull_at(reduction, pulls, reductions))
+    assert found[1] == pytest.approx(found[0], rel=0.02)
