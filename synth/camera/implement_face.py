@@ -65,13 +65,20 @@ class ImplementFace:
         low, high = (np.clip(edge, 0, (width, height)).astype(int) for edge in (low, high))
         return cover_kernels.box_vector((*low.tolist(), *high.tolist()))
 
-    def distance(self) -> "np.ndarray":
-        """Distance of every pixel's centre to the implement, px of an ideal lens: (H, W) float32, 0 on it."""
+    def distance(self, distance: "np.ndarray | None" = None) -> "np.ndarray":
+        """Distance of every pixel's centre to the implement, px of an ideal lens: (H, W) float32, 0 on it.
+
+        Parameters
+        ----------
+        distance : (H, W) float32, optional
+            To be overwritten and returned.
+        """
         import numpy as np
 
         from synth.camera import cover_kernels
 
-        distance = np.empty((self.view.height, self.view.width), np.float32)
+        if distance is None:
+            distance = np.empty((self.view.height, self.view.width), np.float32)
         numbers = cover_kernels.projection.numbers(self.view.numbers)
         cover_kernels.distance_to_implement(self.x, self.y, self.parts, numbers, distance)
         return distance

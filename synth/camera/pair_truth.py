@@ -5,7 +5,7 @@ from typing import TYPE_CHECKING
 
 from synth.camera.discontinuities import discontinuities
 from synth.camera.tiles import TILE
-from synth.truth import MIXED_LIMIT, PairTruth
+from synth.truth import MIXED_LIMIT, VARIABLES, PairTruth
 
 if TYPE_CHECKING:
     import numpy as np
@@ -27,8 +27,18 @@ def pair_truth(
     motion: "Motion",
     placement: "Placement",
     next_placement: "Placement",
+    *,
+    arrays: "dict[str, np.ndarray] | None" = None,
 ) -> PairTruth:
-    """Truth from the frame of `covered` and `placement` to that of `next_placement`."""
+    """Truth from the frame of `covered` and `placement` to that of `next_placement`.
+
+    Parameters
+    ----------
+    arrays : dict, optional
+        The variables of `VARIABLES`, (H, W) each, to be overwritten and used for the result.
+    """
+    import numpy as np
+
     from synth.camera.implement_face import face_of
     from synth.camera.view import View
 
@@ -36,11 +46,14 @@ def pair_truth(
     next_view = View.of(scene, recording, second)
     next_face = face_of(scene, recording, second, next_view)
     moved, spread = _grain_motions(covered, placement, next_placement, next_view)
-    arrays = _soil_arrays(covered, motion, placement, second, moved)
+    if arrays is None:
+        shape = covered.centres.shape
+        arrays = {name: np.empty(shape, dtype) for name, (dtype, _, _) in VARIABLES.items()}
+    _fill_in_soil(arrays, covered, motion, placement, second, moved)
     if covered.face is not None and next_face is not None:
         add_implement(arrays, covered.face, next_face)
-    arrays["mixed"] = _mixed(covered, moved, spread, next_face, arrays["distance_to_implement"])
-    arrays.update(discontinuities(arrays["u"], arrays["v"], arrays["implement"]))
+    _find_mixed(arrays, covered, moved, spread, next_face)
+    discontinuities(arrays["u"], arrays["v"], arrays["implement"], found=arrays)
     if second - first != 1:
         arrays["strain_rate"] /= abs(second - first)
         arrays["rotation"] /= second - first
@@ -86,29 +99,36 @@ def _grain_motions(
     return motion, spread
 
 
-def _soil_arrays(
-    covered: "Cover", motion: "Motion", placement: "Placement", second: int, moved: "np.ndarray"
-) -> "dict[str, np.ndarray]":
-    """Arrays of the truth where soil is seen; those of an implement are still to be filled in."""
+def _fill_in_soil(
+    arrays: "dict[str, np.ndarray]",
+    covered: "Cover",
+    motion: "Motion",
+    placement: "Placement",
+    second: int,
+    moved: "np.ndarray",
+) -> None:
+    """Fill in the truth where soil is seen; what is an implement's is still to be filled in."""
     import numpy as np
 
     from synth.camera import cover_kernels, motion_kernels
 
-    shape = covered.centres.shape
-    arrays: dict[str, np.ndarray] = {
-        name: np.empty(shape, np.float32) for name in ("u", "v", "rotation", "strain_rate")
-    }
-    arrays["particle_id"], valid = np.empty(shape, np.int32), np.empty(shape, np.uint8)
     filled, off, seen = filled_voids(covered)
     around = motion.surroundings(placement, second, covered.tiled.grain[seen])
     strain, particle = np.empty(len(moved), np.float32), np.empty(len(moved), np.int32)
     strain[seen], particle[seen] = around.strain, around.particle
-    motion_kernels.soil_motion(filled, off, moved, strain, particle, *arrays.values(), valid)
-    arrays["valid"] = valid.view(bool)
-    arrays["soil"] = covered.soil
-    arrays["implement"] = covered.centres == cover_kernels.IMPLEMENT
-    arrays["distance_to_implement"] = np.full(shape, np.inf, np.float32)
-    return arrays
+    names = ("u", "v", "rotation", "strain_rate", "particle_id")
+    motion_kernels.soil_motion(
+        filled,
+        off,
+        moved,
+        strain,
+        particle,
+        *(arrays[name] for name in names),
+        arrays["valid"].view(np.uint8),
+    )
+    arrays["soil"][:] = covered.soil
+    np.equal(covered.centres, cover_kernels.IMPLEMENT, out=arrays["implement"])
+    arrays["distance_to_implement"].fill(np.inf)
 
 
 def filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray, np.ndarray]":
@@ -156,7 +176,7 @@ def add_implement(arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_f
         *(arrays[name] for name in ("u", "v", "rotation", "strain_rate")),
         arrays["valid"].view(np.uint8),
     )
-    arrays["distance_to_implement"] = face.distance()
+    face.distance(arrays["distance_to_implement"])
 
 
 def _bending(face: "ImplementFace", next_face: "ImplementFace", mask: "np.ndarray") -> "np.ndarray":
@@ -190,13 +210,13 @@ def _rigid_motion(face: "ImplementFace", next_face: "ImplementFace") -> tuple[fl
     return next_face.x - face.x, next_face.y - face.y, -2 * math.sin(turn / 2) ** 2, math.sin(turn)
 
 
-def _mixed(
+def _find_mixed(
+    arrays: "dict[str, np.ndarray]",
     covered: "Cover",
     moved: "np.ndarray",
     spread: "np.ndarray",
     next_face: "ImplementFace | None",
-    outside: "np.ndarray",
-) -> "np.ndarray":
+) -> None:
     import numpy as np
 
     from synth.camera import mixed_kernels
@@ -205,13 +225,12 @@ def _mixed(
     body = (0.0,) * 6
     if face is not None and next_face is not None:
         body = (face.x, face.y, *_rigid_motion(face, next_face))
-    mixed = np.empty(covered.centres.shape, np.uint8)
     mixed_kernels.find_mixed(
         covered.samples,
         covered.tiled.place,
         moved,
         spread,
-        outside,
+        arrays["distance_to_implement"],
         mixed_kernels.body_vector(body),
         mixed_kernels.projection.numbers(covered.view.numbers),
         TILE,
@@ -219,6 +238,5 @@ def _mixed(
         covered.sampling,
         covered.margin,
         MIXED_LIMIT,
-        mixed,
+        arrays["mixed"].view(np.uint8),
     )
-    return mixed.view(bool)

@@ -9,7 +9,8 @@ from synth.camera.exchange import grains_at
 from synth.camera.glass import Glass
 from synth.camera.hiding import Hiders
 from synth.camera.nuisance import flicker
-from synth.camera.picture import Film, expose, light_on_sensor
+from synth.camera.picture import Film, light_on_sensor
+from synth.camera.sensor import expose
 from synth.camera.shutter import instants
 from synth.camera.stages import StageClock
 
@@ -43,22 +44,27 @@ class Photographer:
 
         The cover holds until the next picture is taken.
         """
-        light, covered = self.light(placement, previous)
+        light = np.empty((self._scene.camera.height, self._scene.camera.width), np.float32)
+        covered = self.light(placement, previous, light)
         with self._clock.stage("lighting"):
             return covered, expose(self._scene, light, placement.frame)
 
-    def light(self, placement: "Placement", previous: "Placement | None") -> tuple[np.ndarray, Cover]:
-        """Light of a frame without the sensor's noise: (H, W) float32, share of full scale."""
+    def light(self, placement: "Placement", previous: "Placement | None", light: np.ndarray) -> Cover:
+        """Put the light of a frame, without the sensor's noise, into (H, W) float32; share of full scale.
+
+        Returns what covers what at its instant, which holds until the next picture is taken.
+        """
         exposure = self._scene.nuisance.exposure
         if exposure == 0:
-            light = self._instant(self._recording, placement, placement.frame)
+            taken = self._instant(self._recording, placement, placement.frame)
         else:
             open_for = instants(self._recording, self._motion, placement, previous, exposure)
             lights = [self._instant(states, at, placement.frame) for states, at in open_for]
-            light = np.asarray(np.mean(lights, axis=0, dtype=np.float32))
+            taken = np.asarray(np.mean(lights, axis=0, dtype=np.float32))
             self._cover(self._recording, placement, placement.frame)
         assert self._covered is not None
-        return light * np.float32(flicker(self._scene, placement.frame)), self._covered
+        np.multiply(taken, np.float32(flicker(self._scene, placement.frame)), out=light)
+        return self._covered
 
     def _cover(self, recording: "Recording", placement: "Placement", picture: int) -> "MicroGrains":
         grains = grains_at(self._grains, placement)

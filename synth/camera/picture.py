@@ -10,7 +10,6 @@ from scipy.special import erf
 
 from synth.camera.cover import Cover
 from synth.camera.samples import in_groups
-from synth.camera.streams import Purpose, random_stream
 from synth.camera.texture import tone_behind
 from synth.camera.tiles import TILE
 from synth.devices import thread_count
@@ -131,24 +130,6 @@ def _linear_algebra() -> "ThreadpoolController":
     from threadpoolctl import ThreadpoolController
 
     return ThreadpoolController()
-
-
-def expose(scene: "Scene", light: "np.ndarray", frame: int) -> "np.ndarray":
-    """Grey levels of a frame from light: shot and read noise, black level, clipping, quantisation.
-
-    Thousands of electrons a pixel make the shot noise's Poisson distribution as good as normal.
-    """
-    import numpy as np
-
-    sensor = scene.sensor
-    stream = random_stream(scene.seed_of_pictures, Purpose.SENSOR, frame)
-    noise = stream.standard_normal(light.shape, dtype=np.float32)
-    electrons = light * np.float32(sensor.full_well)
-    electrons += noise * np.sqrt(electrons + np.float32(sensor.read_noise**2))
-    level = electrons / np.float32(sensor.full_well) + np.float32(sensor.black_level)
-    full_scale = 2**sensor.bits - 1
-    dtype = np.uint8 if sensor.bits == 8 else np.uint16
-    return np.rint(np.clip(level, 0, 1) * np.float32(full_scale)).astype(dtype)
 
 
 def _radiance(

@@ -1,21 +1,20 @@
 """A recording in, footage out: pictures and the truth about them, streamed frame by frame."""
 
+import os
 from collections.abc import Callable
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from synth.camera.stages import StageClock
-from synth.camera.writing import BackgroundWriter
-from synth.footage import Footage, frame_name, write_picture, write_sequence
+from synth.footage import Footage, write_sequence
 
 if TYPE_CHECKING:
-    import numpy as np
-
+    from synth.camera.writing import FootageWriter
     from synth.recording import Recording
     from synth.scene import Scene
-    from synth.truth import PairTruth
-    from synth.truth_file import TruthWriter
+
+_WORTH_A_PROCESS = 5e6
+"""px of all pictures; fewer are written before another process has come up."""
 
 
 def render(
@@ -55,28 +54,33 @@ def render(
         A recording with fewer than two frames, one without soil in view, or a folder that holds something.
     """
     from synth.camera.nuisance import as_seen
+    from synth.camera.writing import FootageWriter
+    from synth.camera.writing_end import Footing
     from synth.devices import start_taichi
-    from synth.truth_file import TruthWriter
 
     _check(recording, folder)
     start_taichi(device, threads)
     (folder / "frames").mkdir(parents=True, exist_ok=True)
-    seen = as_seen(recording, scene)
-    with (
-        TruthWriter(folder / "truth.nc", scene, recording.data["time"].values) as truth,
-        BackgroundWriter() as writer,
-    ):
-        _render_frames(seen, scene, folder, truth, writer, clock or StageClock(), progress)
+    clock = clock or StageClock()
+    shape = scene.camera.height, scene.camera.width
+    footing = Footing(folder, scene, recording.data["time"].values, shape)
+    with FootageWriter(footing, apart=_write_apart(scene, recording), clock=clock) as writer:
+        _render_frames(as_seen(recording, scene), scene, writer, clock, progress)
     write_sequence(folder, scene.timing.frame_rate, scene.camera.metres_per_pixel, recording.frame_count)
     return Footage.open(folder)
+
+
+def _write_apart(scene: "Scene", recording: "Recording") -> bool:
+    from synth.devices import thread_count
+
+    pixels = recording.frame_count * scene.camera.height * scene.camera.width
+    return thread_count() > 1 and pixels >= _WORTH_A_PROCESS and hasattr(os, "memfd_create")
 
 
 def _render_frames(
     recording: "Recording",
     scene: "Scene",
-    folder: Path,
-    truth: "TruthWriter",
-    writer: BackgroundWriter,
+    writer: "FootageWriter",
     clock: StageClock,
     progress: Callable[[int, int], None] | None,
 ) -> None:
@@ -89,31 +93,21 @@ def _render_frames(
     placement, previous, count = motion.start(), None, recording.frame_count
     photographer = Photographer(scene, recording, grains, motion, clock)
     for frame in range(count):
-        light, covered = photographer.light(placement, previous)
-        writer.put(partial(_expose_and_write, clock, scene, light, frame, folder / frame_name(frame)))
+        with clock.stage("waiting"):
+            room = writer.room()
+        covered = photographer.light(placement, previous, room.light)
+        writer.write_picture(room, frame)
         if frame + 1 < count:
             with clock.stage("moving"):
                 following = motion.advance(placement)
             with clock.stage("truth"):
-                pair = pair_truth(scene, recording, grains, covered, motion, placement, following)
-            writer.put(partial(_timed_truth, clock, truth, pair))
+                pair = pair_truth(
+                    scene, recording, grains, covered, motion, placement, following, arrays=room.truth
+                )
+            writer.write_truth(room, pair)
             placement, previous = following, placement
         if progress is not None:
             progress(frame + 1, count)
-
-
-def _expose_and_write(clock: StageClock, scene: "Scene", light: "np.ndarray", frame: int, path: Path) -> None:
-    from synth.camera.picture import expose
-
-    with clock.stage("exposing"):
-        picture = expose(scene, light, frame)
-    with clock.stage("writing"):
-        write_picture(path, picture)
-
-
-def _timed_truth(clock: StageClock, truth: "TruthWriter", pair: "PairTruth") -> None:
-    with clock.stage("writing"):
-        truth.write(pair.first, pair)
 
 
 def _check(recording: "Recording", folder: Path) -> None:

@@ -14,10 +14,16 @@ class StageClock:
     ----------
     seconds : dict
         By stage, in the order they were met first.
+    processor_elsewhere : float
+        Seconds of the processor that other processes have used for it.
+    memory_elsewhere : int
+        Bytes that other processes have needed at most.
     """
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = defaultdict(float)
+        self.processor_elsewhere = 0.0
+        self.memory_elsewhere = 0
         self._lock = threading.Lock()
 
     @contextlib.contextmanager

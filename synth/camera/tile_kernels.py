@@ -46,7 +46,7 @@ def _tiles_around(at, sampling, tile, columns, rows):
 
 
 @ti.kernel
-def count_in_tiles(
+def find_tiles(
     x: _f64,
     z: _f64,
     diameter: _f64,
@@ -56,33 +56,61 @@ def count_in_tiles(
     margin: ti.i32,
     tile: ti.template(),
     columns: ti.i32,
-    count: _i32_table,
+    rows: ti.i32,
     touched: _i32,
 ):
-    """Count the grains of every part in every tile, and note the tile that each one touches.
+    """Tile that each grain touches, `SEVERAL`, or `NONE` for grains not in view or not to be drawn.
 
-    `touched` is `NONE` for grains that are not in view or not to be drawn, and `SEVERAL` for those in more
-    than one tile.
+    Without a branch: which grains are drawn cannot be foreseen.
+    """
+    for g in range(x.shape[0]):
+        at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
+        box = _tiles_around(at, sampling, tile, columns, rows)
+        shown = (ti.cast(box[0] <= box[1], ti.u8) & ti.cast(box[2] <= box[3], ti.u8)) & drawn[g]
+        only = ti.cast(box[0] == box[1], ti.u8) & ti.cast(box[2] == box[3], ti.u8)
+        found = ti.select(only == 1, box[2] * columns + box[0], SEVERAL)
+        touched[g] = ti.select(shown == 1, found, NONE)
+
+
+@ti.kernel
+def count_in_tiles(
+    x: _f64,
+    z: _f64,
+    diameter: _f64,
+    touched: _i32,
+    view: projection.numbers,
+    sampling: ti.template(),
+    margin: ti.i32,
+    tile: ti.template(),
+    columns: ti.i32,
+    rows: ti.i32,
+    count: _i32_table,
+    drawn: _i32,
+):
+    """Count every part's grains in every tile, and list those that are in one, from the part's first place on.
+
+    Column `SEVERAL` of `count`, from its end, is scratch; column `NONE` becomes the length of the part's list.
     """
     size = (x.shape[0] + count.shape[0] - 1) // count.shape[0]
-    rows = count.shape[1] // columns
     for share in range(count.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
-        part = share // SHARES
+        part, last = share // SHARES, count.shape[1] - 1
+        n = part * size
         for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
-            found = NONE
-            if drawn[g] == 1:
+            only = touched[g]
+            drawn[n] = g  # the next one writes over it, unless it is drawn
+            n += ti.cast(only != NONE, ti.i32)
+            if only == SEVERAL:
                 at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
                 box = _tiles_around(at, sampling, tile, columns, rows)
                 for j in range(box[2], box[3] + 1):
                     for i in range(box[0], box[1] + 1):
-                        count[part, j * columns + i] += 1
-                if box[0] == box[1] and box[2] == box[3]:
-                    found = box[2] * columns + box[0]
-                elif box[0] <= box[1] and box[2] <= box[3]:
-                    found = SEVERAL
-            touched[g] = found
+                        count[part, j * columns + i] = count[part, j * columns + i] + 1
+            # No `+=`, which is atomic: nobody else writes a part's counts.
+            column = ti.select(only >= 0, only, last - 1)
+            count[part, column] = count[part, column] + 1
+        count[part, last] = n - part * size
 
 
 @ti.kernel
@@ -90,13 +118,16 @@ def sort_into_tiles(
     x: _f64,
     z: _f64,
     diameter: _f64,
-    touched: _i32,
     depth: _i32,
+    touched: _i32,
+    drawn: _i32,
+    drawn_count: _i32,
     view: projection.numbers,
     sampling: ti.template(),
     margin: ti.i32,
     tile: ti.template(),
     columns: ti.i32,
+    rows: ti.i32,
     index_bits: ti.i32,
     start: _i32_table,
     place: _f32_table,
@@ -105,27 +136,34 @@ def sort_into_tiles(
 ):
     """Write every part's grains where its share of each tile starts; `start` is used up."""
     size = (x.shape[0] + start.shape[0] - 1) // start.shape[0]
-    rows = start.shape[1] // columns
     for share in range(start.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
         part = share // SHARES
-        for g in range(part * size, ti.min((part + 1) * size, x.shape[0])):
+        for n in range(part * size, part * size + drawn_count[part]):
+            g = drawn[n]
             only = touched[g]
-            if only != NONE:
-                at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
-                low_i, low_j = remainder(only, columns), quotient(only, columns)
-                high_i, high_j = low_i, low_j
-                if only == SEVERAL:
-                    box = _tiles_around(at, sampling, tile, columns, rows)
-                    low_i, high_i, low_j, high_j = box[0], box[1], box[2], box[3]
-                for j in range(low_j, high_j + 1):
-                    for i in range(low_i, high_i + 1):
-                        k = start[part, j * columns + i]
-                        start[part, j * columns + i] = k + 1
-                        off_x, off_y = at[0] - i * tile * sampling, at[1] - j * tile * sampling
-                        place[k, 0] = ti.cast(ti.round(off_x * ti.static(1.0 / STEP)) * STEP, ti.f32)
-                        place[k, 1] = ti.cast(ti.round(off_y * ti.static(1.0 / STEP)) * STEP, ti.f32)
-                        place[k, 2] = ti.cast(at[2], ti.f32)
-                        key[k] = ((depth[g] >> index_bits) << index_bits) | k
-                        grain[k] = g
+            at = _in_samples(view, x[g], z[g], diameter[g], sampling, margin)
+            low_i, low_j = remainder(only, columns), quotient(only, columns)
+            high_i, high_j = low_i, low_j
+            if only == SEVERAL:
+                box = _tiles_around(at, sampling, tile, columns, rows)
+                low_i, high_i, low_j, high_j = box[0], box[1], box[2], box[3]
+            for j in range(low_j, high_j + 1):
+                for i in range(low_i, high_i + 1):
+                    k = start[part, j * columns + i]
+                    start[part, j * columns + i] = k + 1
+                    off_x, off_y = at[0] - i * tile * sampling, at[1] - j * tile * sampling
+                    place[k, 0] = ti.cast(_whole_steps(off_x) * STEP, ti.f32)
+                    place[k, 1] = ti.cast(_whole_steps(off_y) * STEP, ti.f32)
+                    place[k, 2] = ti.cast(at[2], ti.f32)
+                    key[k] = ((depth[g] >> index_bits) << index_bits) | k
+                    grain[k] = g
+
+
+@ti.func
+def _whole_steps(length):
+    """Nearest whole number of steps, halves away from zero as `ti.round` has it, without its call."""
+    steps = length * ti.static(1.0 / STEP)
+    whole = ti.floor(ti.abs(steps) + 0.5)
+    return ti.select(steps < 0.0, -whole, whole)

@@ -81,14 +81,17 @@ def sort_into_tiles(
 
     from synth.camera import tile_kernels
 
-    columns = -(-(view.width + 2 * margin) // TILE)
-    tiles = columns * -(-(view.height + 2 * margin) // TILE)
+    columns, rows = (-(-(size + 2 * margin) // TILE) for size in (view.width, view.height))
+    tiles = columns * rows
     index_bits = (2 * grains.count + 64 * tiles).bit_length()
-    drawn = placement.alive if hiders is None else hiders.not_hidden(grains, placement, view, index_bits)
-    count, touched = np.zeros((_BLOCK_COUNT, tiles), np.int32), np.empty(grains.count, np.int32)
-    at, depth = (placement.x, placement.z, grains.diameter), grains.depth
-    frame = (tile_kernels.projection.numbers(view.numbers), sampling, margin, TILE, columns)
-    tile_kernels.count_in_tiles(*at, drawn, *frame, count, touched)
+    shown = placement.alive if hiders is None else hiders.not_hidden(grains, placement, view, index_bits)
+    touched, drawn = np.empty(grains.count, np.int32), np.empty(grains.count, np.int32)
+    at = (placement.x, placement.z, grains.diameter)
+    frame = (tile_kernels.projection.numbers(view.numbers), sampling, margin, TILE, columns, rows)
+    tile_kernels.find_tiles(*at, shown, *frame, touched)
+    count = np.zeros((_BLOCK_COUNT, tiles + 2), np.int32)
+    tile_kernels.count_in_tiles(*at, touched, *frame, count, drawn)
+    count, drawn_count = count[:, :tiles], np.ascontiguousarray(count[:, -1])
     ends = np.cumsum(count.T, dtype=np.int64)
     total = int(ends[-1]) if len(ends) else 0
     if total >= 1 << index_bits or index_bits > _KEY_BITS - 5:
@@ -97,5 +100,7 @@ def sort_into_tiles(
     first = np.append(start[0], total).astype(np.int32)
     place = np.empty((total, 3), np.float32)
     key, grain = np.empty(total, np.int32), np.empty(total, np.int32)
-    tile_kernels.sort_into_tiles(*at, touched, depth, *frame, index_bits, start, place, key, grain)
+    tile_kernels.sort_into_tiles(
+        *at, grains.depth, touched, drawn, drawn_count, *frame, index_bits, start, place, key, grain
+    )
     return TiledGrains(first, columns, place, key, grain, index_bits)

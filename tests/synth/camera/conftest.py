@@ -149,6 +149,8 @@ def photograph(taichi):
         placement, previous = motion.start(), None
         for _ in range(frame):
             placement, previous = motion.advance(placement), placement
-        return Photographer(case.scene, recording, grains, motion).light(placement, previous)[0]
+        light = np.empty((case.scene.camera.height, case.scene.camera.width), np.float32)
+        Photographer(case.scene, recording, grains, motion).light(placement, previous, light)
+        return light
 
     return take
