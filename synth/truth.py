@@ -155,7 +155,7 @@ def true_motion(
     grains, motion = grains_and_motion(recording, scene)
     placements = _placements(motion, {first, second})
     covered = cover(scene, recording, grains_at(grains, placements[first]), placements[first])
-    truth = pair_truth(scene, recording, grains, covered, motion, placements[first], placements[second])
+    truth = pair_truth(scene, recording, covered, motion, placements[first], placements[second])
     return _dataset(truth, recording, scene)
 
 

@@ -30,27 +30,26 @@ def find_jumps(u: _f32_table, v: _f32_table, implement: _u8_table, limit: ti.f32
 
 @ti.func
 def _jumps_in(j, u: ti.template(), v: ti.template(), implement: ti.template(), limit, jump: ti.template()):
+    """Of one row. Beyond the picture's edge lies the pixel itself, which makes no jump."""
+    above, below, last = ti.max(j - 1, 0), ti.min(j + 1, u.shape[0] - 1), u.shape[1] - 1
+    left = ti.f32(-1.0)
     for i in range(u.shape[1]):
-        largest = ti.f32(-1.0)
-        for side in ti.static(range(4)):
-            a, b = j, i
-            if ti.static(side == 0):
-                a -= 1
-            elif ti.static(side == 1):
-                a += 1
-            elif ti.static(side == 2):
-                b -= 1
-            else:
-                b += 1
-            if 0 <= a < u.shape[0] and 0 <= b < u.shape[1]:
-                over, down = u[j, i] - u[a, b], v[j, i] - v[a, b]
-                square = over * over + down * down
-                # NaN, where either has no truth, fails both comparisons.
-                if square > limit * limit or (square >= 0.0 and implement[j, i] != implement[a, b]):
-                    largest = ti.max(largest, square)
-        if largest > 0.0:
-            largest = ti.sqrt(largest)
-        jump[j, i] = largest
+        right = _jump_between(j, i, j, ti.min(i + 1, last), u, v, implement, limit)
+        largest = ti.max(left, right)
+        largest = ti.max(largest, _jump_between(j, i, above, i, u, v, implement, limit))
+        largest = ti.max(largest, _jump_between(j, i, below, i, u, v, implement, limit))
+        jump[j, i] = ti.select(largest > 0.0, ti.sqrt(ti.max(largest, ti.f32(0.0))), largest)
+        left = right
+
+
+@ti.func
+def _jump_between(j, i, a, b, u: ti.template(), v: ti.template(), implement: ti.template(), limit):
+    """Square of the difference of motion between two neighbours, -1 without a discontinuity between them."""
+    over, down = u[j, i] - u[a, b], v[j, i] - v[a, b]
+    square = over * over + down * down
+    # NaN, where either has no truth, fails both comparisons.
+    beyond = (square > limit * limit) | ((square >= 0.0) & (implement[j, i] != implement[a, b]))
+    return ti.select(beyond, square, ti.f32(-1.0))
 
 
 @ti.kernel

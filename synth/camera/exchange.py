@@ -38,9 +38,11 @@ class Exchanging:
         left = stream.random(len(moved.x), dtype=np.float32) < self._rate
         return replace(moved, generation=placement.generation + left)
 
-    def surroundings(self, placement: "Placement", second: int, seen: np.ndarray) -> "Surroundings":
+    def surroundings(
+        self, placement: "Placement", second: int, listed: np.ndarray, seen: np.ndarray
+    ) -> "Surroundings":
         """Particles around the grains, and how they deform up to the frame `second`."""
-        return self._motion.surroundings(placement, second, seen)
+        return self._motion.surroundings(placement, second, listed, seen)
 
 
 def grains_at(grains: "MicroGrains", placement: "Placement") -> "MicroGrains":

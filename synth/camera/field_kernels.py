@@ -64,7 +64,7 @@ def _blend(
             for n in ti.static(range(4)):
                 stretch[n] += weight * own[4 + n]
             weight_sum += weight
-            near = weight > 0.0 and square < closest
+            near = (weight > 0.0) & (square < closest)
             closest, nearest = ti.select(near, square, closest), ti.select(near, p, nearest)
     turn, strain = 0.0, 0.0
     if weight_sum > 1e-12:
@@ -173,15 +173,15 @@ def _spline(s, t, i, j, inner, value: ti.template(), nearest: ti.template()):
 @ti.func
 def _nearest_of(p, q, s, t, affine: ti.template(), nearest: ti.template(), reach):
     """Nearest to a point of the particles that are nearest to the four nodes around it; -1: none in reach."""
-    closest, near, last = reach * reach, -1, -1
+    closest, near = reach * reach, -1
     low_i, low_j = int(ti.floor(s)), int(ti.floor(t))
     for n in ti.static(range(4)):
+        # No branch: which node's particle is the nearest cannot be foreseen.
         candidate = nearest[low_j + n // 2, low_i + n % 2]
-        if candidate >= 0 and candidate != last:
-            square = (p - affine[candidate][0]) ** 2 + (q - affine[candidate][1]) ** 2
-            if square < closest:
-                closest, near = square, candidate
-        last = candidate
+        own = affine[ti.max(candidate, 0)]
+        square = (p - own[0]) ** 2 + (q - own[1]) ** 2
+        nearer = (candidate >= 0) & (square < closest)
+        closest, near = ti.select(nearer, square, closest), ti.select(nearer, candidate, near)
     return near
 
 
@@ -239,6 +239,7 @@ def carry(
 def look_around(
     at_x: _f64,
     at_z: _f64,
+    point: _i32,
     chosen: _i32,
     affine: _f64_eights,
     first: _i32,
@@ -256,10 +257,14 @@ def look_around(
     strain: _f32,
     particle: _i32,
 ):
-    """Strain at chosen points, and the nearest particle (-1: none), as `carry` takes them."""
+    """Strain at points, and the nearest particle (-1: none), as `carry` takes them.
+
+    `point` lists the points, `chosen` the places in this list that are looked at.
+    """
     per_spacing = 1.0 / spacing
     for c in range(chosen.shape[0]):
-        p, q = at_x[chosen[c]], at_z[chosen[c]]
+        k = chosen[c]
+        p, q = at_x[point[k]], at_z[point[k]]
         strained, near = 0.0, -1
         s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
         i, j = _rounded(s), _rounded(t)
@@ -271,9 +276,9 @@ def look_around(
             else:
                 strained = _spline(s, t, i, j, kind == INNER, value, nearest)[3]
                 near = _nearest_of(p, q, s, t, affine, nearest, reach)
-        strain[c], particle[c] = ti.cast(strained, ti.f32), -1
+        strain[k], particle[k] = ti.cast(strained, ti.f32), -1
         if near >= 0:
-            particle[c] = order[near]
+            particle[k] = order[near]
 
 
 @ti.func

@@ -41,7 +41,7 @@ class Placement:
 
 @dataclass(frozen=True)
 class Surroundings:
-    """The particles around micro-grains that are seen, between two frames; shape (seen,) each.
+    """The particles around micro-grains, between two frames; shape (listed,) each.
 
     Attributes
     ----------
@@ -66,8 +66,18 @@ class Motion(Protocol):
         """Placement one frame later."""
         ...
 
-    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
-        """Particles around the grains `seen`, (seen,) int32, and how they deform up to the frame `second`."""
+    def surroundings(
+        self, placement: Placement, second: int, listed: "np.ndarray", seen: "np.ndarray"
+    ) -> Surroundings:
+        """Particles around grains, and how they deform up to the frame `second`.
+
+        Parameters
+        ----------
+        listed : (listed,) int32
+            The grains.
+        seen : (seen,) int32
+            Places in this list; elsewhere the result means nothing.
+        """
         ...
 
 
@@ -102,9 +112,11 @@ class OnPlate:
         """Placement one frame later."""
         return self._at(placement.frame + 1)
 
-    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
+    def surroundings(
+        self, placement: Placement, second: int, listed: "np.ndarray", seen: "np.ndarray"
+    ) -> Surroundings:
         """Nothing: a rigid plate has no particles and no strain."""
-        return Surroundings(np.full(len(seen), -1, np.int32), np.zeros(len(seen), np.float32))
+        return Surroundings(np.full(len(listed), -1, np.int32), np.zeros(len(listed), np.float32))
 
     def _at(self, frame: int) -> Placement:
         turn = self._angle[frame] - self._angle[0]
@@ -119,7 +131,8 @@ class Carried:
 
     def __init__(self, recording: "Recording", grains: "MicroGrains", scene: "Scene") -> None:
         still = ParticleField(recording, 0, 0, scene)
-        owner, _ = still.look_around(grains.x, grains.z, np.arange(grains.count, dtype=np.int32))
+        every = np.arange(grains.count, dtype=np.int32)
+        owner, _ = still.look_around(grains.x, grains.z, every, every)
         self._recording, self._grains, self._owner = recording, grains, owner
         self._scene = scene
         self._alive = (owner >= 0).astype("uint8")
@@ -132,10 +145,12 @@ class Carried:
         """Placement one frame later."""
         return self._at(placement.frame + 1)
 
-    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
+    def surroundings(
+        self, placement: Placement, second: int, listed: "np.ndarray", seen: "np.ndarray"
+    ) -> Surroundings:
         """Carrying particle, and the strain of the particles around it."""
         strain = ParticleField(self._recording, placement.frame, second, self._scene).strain_of_particles()
-        owner = self._owner[seen]
+        owner = self._owner[listed]
         return Surroundings(owner, strain[owner])
 
     def _at(self, frame: int) -> Placement:
@@ -172,10 +187,12 @@ class Interpolated:
         moved = field.carry(placement.x, placement.z, placement.angle, placement.alive)
         return Placement(placement.frame + 1, moved.x, moved.z, moved.angle, moved.alive)
 
-    def surroundings(self, placement: Placement, second: int, seen: "np.ndarray") -> Surroundings:
+    def surroundings(
+        self, placement: Placement, second: int, listed: "np.ndarray", seen: "np.ndarray"
+    ) -> Surroundings:
         """Nearest particle, and the strain at the grain."""
-        particle, strain = self._field(placement, second).look_around(placement.x, placement.z, seen)
-        return Surroundings(particle, strain)
+        field = self._field(placement, second)
+        return Surroundings(*field.look_around(placement.x, placement.z, listed, seen))
 
     def _field(self, placement: Placement, second: int) -> ParticleField:
         # Asked for more than once: motion and surroundings.

@@ -13,7 +13,6 @@ if TYPE_CHECKING:
     from synth.camera.cover import Cover
     from synth.camera.implement_face import ImplementFace
     from synth.camera.motion import Motion, Placement
-    from synth.camera.texture import MicroGrains
     from synth.camera.view import View
     from synth.recording import Recording
     from synth.scene import Scene
@@ -22,7 +21,6 @@ if TYPE_CHECKING:
 def pair_truth(
     scene: "Scene",
     recording: "Recording",
-    grains: "MicroGrains",
     covered: "Cover",
     motion: "Motion",
     placement: "Placement",
@@ -113,16 +111,14 @@ def _fill_in_soil(
     from synth.camera import cover_kernels, motion_kernels
 
     filled, off, seen = filled_voids(covered)
-    around = motion.surroundings(placement, second, covered.tiled.grain[seen])
-    strain, particle = np.empty(len(moved), np.float32), np.empty(len(moved), np.int32)
-    strain[seen], particle[seen] = around.strain, around.particle
+    around = motion.surroundings(placement, second, covered.tiled.grain, seen)
     names = ("u", "v", "rotation", "strain_rate", "particle_id")
     motion_kernels.soil_motion(
         filled,
         off,
         moved,
-        strain,
-        particle,
+        around.strain,
+        around.particle,
         *(arrays[name] for name in names),
         arrays["valid"].view(np.uint8),
     )
@@ -157,7 +153,7 @@ def filled_voids(covered: "Cover") -> "tuple[np.ndarray, np.ndarray, np.ndarray]
         off,
         seen,
     )
-    return filled, off, np.flatnonzero(seen.view(bool))
+    return filled, off, np.flatnonzero(seen.view(bool)).astype(np.int32)
 
 
 def add_implement(arrays: "dict[str, np.ndarray]", face: "ImplementFace", next_face: "ImplementFace") -> None:

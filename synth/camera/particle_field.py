@@ -94,7 +94,9 @@ class ParticleField:
         self._diameter = 2 * float(np.median(radius))
         x, z = _positions(recording, first)
         next_x, next_z = _positions(recording, second)
-        chosen = _within(x, z, around, _NEAR * self._diameter)
+        self._bounds = None if around is None else _bounds(*around)
+        self._bounded = None if around is None else around[0]
+        chosen = _within(x, z, self._bounds, _NEAR * self._diameter)
         self._cells = _sort_into_cells(x[chosen], z[chosen], _BLEND_REACH * self._diameter)
         order = chosen[self._cells.order]
         self._order = order.astype(np.int32)
@@ -135,21 +137,23 @@ class ParticleField:
         return carried
 
     def look_around(
-        self, x: "np.ndarray", z: "np.ndarray", chosen: "np.ndarray"
+        self, x: "np.ndarray", z: "np.ndarray", point: "np.ndarray", chosen: "np.ndarray"
     ) -> "tuple[np.ndarray, np.ndarray]":
-        """Particle nearest to the chosen ones (int32) of points, and the strain there: int32, float32.
+        """Particle nearest to points, and the strain there: int32, float32, as many as `point` lists.
 
-        The strain is the equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement
+        `point` (int32) lists which of the points `x`, `z` (m) are meant; only at the places of this list that
+        `chosen` (int32) names the result means something. The strain is the equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement
         gradient. Without a particle near they are -1 and 0.
         """
         import numpy as np
 
         from synth.camera import field_kernels
 
-        particle, strain = np.empty(len(chosen), np.int32), np.empty(len(chosen), np.float32)
+        particle, strain = np.empty(len(point), np.int32), np.empty(len(point), np.float32)
         field_kernels.look_around(
             x,
             z,
+            point,
             chosen,
             self._affine,
             self._cells.first,
@@ -236,10 +240,11 @@ class ParticleField:
         from synth.camera import field_kernels
 
         reach, spacing = _BLEND_REACH * self._diameter, _NODE_SPACING * self._diameter
+        bounds = self._bounds if self._bounded is x else _bounds(x, z)
         ends = []
-        for points, particles in ((x, self._x), (z, self._z)):
-            low = max(float(points.min()), float(particles.min()) - reach) if len(points) else 0.0
-            high = min(float(points.max()), float(particles.max()) + reach) if len(points) else 0.0
+        for axis, particles in enumerate((self._x, self._z)):
+            low = max(bounds[axis][0], float(particles.min()) - reach) if bounds else 0.0
+            high = min(bounds[axis][1], float(particles.max()) + reach) if bounds else 0.0
             ends.append((low - 2 * spacing, max(math.ceil((high - low) / spacing), 0) + 5))
         (left, columns), (bottom, rows) = ends
         value, state = np.empty((rows, columns, 4)), np.empty((rows, columns), np.uint8)
@@ -276,17 +281,22 @@ def _implement_parts(recording: "Recording", frame: int, scene: "Scene") -> "np.
     return np.column_stack([shape.start + at, shape.end + at, shape.radius])
 
 
+def _bounds(x: "np.ndarray", z: "np.ndarray") -> tuple[tuple[float, float], ...]:
+    """Least and greatest coordinate of points along both axes; empty without points."""
+    return tuple((float(along.min()), float(along.max())) for along in (x, z)) if len(x) else ()
+
+
 def _within(
-    x: "np.ndarray", z: "np.ndarray", around: "tuple[np.ndarray, np.ndarray] | None", reach: float
+    x: "np.ndarray", z: "np.ndarray", bounds: tuple[tuple[float, float], ...] | None, reach: float
 ) -> "np.ndarray":
-    """Particles within the bounds of points, or nearer to them than `reach` (m); all without points."""
+    """Particles within the bounds, or nearer to them than `reach` (m); all without bounds."""
     import numpy as np
 
-    if around is None or len(around[0]) == 0:
+    if not bounds:
         return np.arange(len(x))
     inside = np.ones(len(x), bool)
-    for particles, points in zip((x, z), around, strict=True):
-        inside &= (particles >= points.min() - reach) & (particles <= points.max() + reach)
+    for particles, (low, high) in zip((x, z), bounds, strict=True):
+        inside &= (particles >= low - reach) & (particles <= high + reach)
     # A field needs one particle at least, were it out of reach.
     return np.flatnonzero(inside) if inside.any() else np.arange(len(x))
 

@@ -102,7 +102,7 @@ def _render_frames(
                 following = motion.advance(placement)
             with clock.stage("truth"):
                 pair = pair_truth(
-                    scene, recording, grains, covered, motion, placement, following, arrays=room.truth
+                    scene, recording, covered, motion, placement, following, arrays=room.truth
                 )
             writer.write_truth(room, pair)
             placement, previous = following, placement

@@ -42,6 +42,11 @@ def bytes_needed(shape: tuple[int, int]) -> int:
     return ROOM_COUNT * _room_size(shape)
 
 
+def memory_for(shape: tuple[int, int], file: int = -1) -> mmap.mmap:
+    """Memory of `bytes_needed`, of a file or of nobody else; all of it at once, lest frames wait for it."""
+    return mmap.mmap(file, bytes_needed(shape), mmap.MAP_SHARED | getattr(mmap, "MAP_POPULATE", 0))
+
+
 def rooms_in(memory: mmap.mmap, shape: tuple[int, int]) -> list[Room]:
     """Lay the rooms for pictures of a shape (H, W) out in a memory of `bytes_needed`."""
     size, rooms = _room_size(shape), []

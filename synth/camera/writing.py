@@ -4,7 +4,6 @@ Where there is much of it a process of its own does it: taichi's kernels hold Py
 thread would wait for them. Both do the same, so the files are the same.
 """
 
-import mmap
 import os
 import subprocess
 import threading
@@ -13,7 +12,7 @@ from multiprocessing.connection import Connection
 from types import TracebackType
 from typing import TYPE_CHECKING, Self
 
-from synth.camera.rooms import Room, bytes_needed, rooms_in
+from synth.camera.rooms import Room, bytes_needed, memory_for, rooms_in
 from synth.camera.stages import StageClock
 from synth.camera.writing_end import Done, Footing, Freed, Order, WritePicture, WriteTruth, carry_out
 from synth.camera.writing_process import start_process
@@ -51,17 +50,16 @@ class FootageWriter:
         if apart:
             rooms = self._start_process(footing, theirs)
         else:
-            rooms = rooms_in(mmap.mmap(-1, bytes_needed(footing.shape)), footing.shape)
+            rooms = rooms_in(memory_for(footing.shape), footing.shape)
             self._thread = threading.Thread(target=carry_out, args=(theirs, footing, rooms), daemon=True)
             self._thread.start()
         self._rooms, self._free = tuple(rooms), list(rooms)
 
     def _start_process(self, footing: Footing, theirs: Connection) -> list[Room]:
-        size = bytes_needed(footing.shape)
         memory = os.memfd_create("footage")
         try:
-            os.truncate(memory, size)
-            rooms = rooms_in(mmap.mmap(memory, size), footing.shape)
+            os.truncate(memory, bytes_needed(footing.shape))
+            rooms = rooms_in(memory_for(footing.shape, memory), footing.shape)
             self._process = start_process(theirs, memory)
         finally:
             os.close(memory)

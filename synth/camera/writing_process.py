@@ -1,7 +1,6 @@
 """A process that writes frames. It ends with the one that started it, however that ends."""
 
 import json
-import mmap
 import os
 import subprocess
 import sys
@@ -31,7 +30,7 @@ def start_process(orders: Connection, memory: int) -> subprocess.Popen[bytes]:
 
 def main(orders: int, memory: int) -> None:
     """What the process does."""
-    from synth.camera.rooms import rooms_in
+    from synth.camera.rooms import memory_for, rooms_in
     from synth.camera.writing_end import carry_out
 
     connection = Connection(orders)
@@ -39,6 +38,6 @@ def main(orders: int, memory: int) -> None:
         footing = connection.recv()
     except EOFError:
         return
-    with os.fdopen(memory, "r+b") as file:
-        shared = mmap.mmap(file.fileno(), 0)
+    shared = memory_for(footing.shape, memory)
+    os.close(memory)
     carry_out(connection, footing, rooms_in(shared, footing.shape))

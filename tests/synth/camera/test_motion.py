@@ -12,7 +12,7 @@ from synth.camera.texture import strew
 def carried(field, x, z):
     """Where a field carries points to, their turn, the nearest particle and the strain there."""
     moved = field.carry(x, z, np.zeros(len(x)), np.ones(len(x), np.uint8))
-    particle, strain = field.look_around(x, z, np.arange(len(x), dtype=np.int32))
+    particle, strain = field.look_around(x, z, *2 * [np.arange(len(x), dtype=np.int32)])
     assert np.array_equal(moved.alive == 1, particle >= 0)
     return SimpleNamespace(**vars(moved), particle=particle, strain=strain)
 
@@ -120,7 +120,7 @@ def test_carried_grains_are_rigid_with_their_particle(cases, taichi):
     grains = strew(cases.scene(), first_region(recording, cases.scene()))
     motion = Carried(recording, grains, cases.scene())
     start = motion.start()
-    owner = motion.surroundings(start, 1, np.arange(grains.count, dtype=np.int32)).particle
+    owner = motion.surroundings(start, 1, *2 * [np.arange(grains.count, dtype=np.int32)]).particle
     after = motion.advance(start)
     square = (grains.x[:, None][:2000] - x) ** 2 + (grains.z[:, None][:2000] - z) ** 2
     assert np.array_equal(owner[:2000], square.argmin(axis=1))

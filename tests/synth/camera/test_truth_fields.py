@@ -149,7 +149,7 @@ def seen_by(case, grains, motion):
     start = motion.start()
     placement = motion.advance(start)
     covered = cover(case.scene, case.recording, grains, placement)
-    truth = pair_truth(case.scene, case.recording, grains, covered, motion, placement, start)
+    truth = pair_truth(case.scene, case.recording, covered, motion, placement, start)
     return light_on_sensor(case.scene, grains, placement, covered), truth
 
 
