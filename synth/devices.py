@@ -8,6 +8,9 @@ from pathlib import Path
 from typing import Any
 
 DEVICES = ("cpu", "cuda")
+_LONGEST_UNROLLED = 36
+"""Turns of a loop that a kernel writes out; taichi warns of longer ones, which take long to compile. A group of
+samples has as many: see `synth.camera.samples`."""
 
 
 def cache_folder() -> Path:
@@ -52,6 +55,7 @@ def start_taichi(device: str = "cpu", threads: int | None = None) -> Any:
                 cpu_max_num_threads=threads or os.cpu_count() or 1,
                 default_fp=ti.f64,
                 fast_math=False,
+                unrolling_limit=_LONGEST_UNROLLED,
                 offline_cache=True,
                 offline_cache_file_path=str(kernels),
                 log_level=ti.ERROR,

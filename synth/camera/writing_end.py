@@ -7,6 +7,7 @@ import os
 import pickle
 import time
 import traceback
+from collections.abc import Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -136,11 +137,22 @@ def _carry_out_one(order: Order, footing: Footing, room: Room, file: TruthWriter
     if isinstance(order, WritePicture):
         with clock.stage("exposing"):
             picture = expose(footing.scene, room.light, order.frame)
-        with clock.stage("writing"):
-            write_picture(footing.folder / frame_name(order.frame), picture)
+        path = footing.folder / frame_name(order.frame)
+        with clock.stage("writing"), _naming(path):
+            write_picture(path, picture)
     else:
         with clock.stage("writing"):
             file.write(order.first, PairTruth(order.first, order.second, room.truth, order.camera))
+
+
+@contextlib.contextmanager
+def _naming(path: Path) -> Iterator[None]:
+    """Name the file in what the system says, which does so only where a file cannot be opened."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or str(path)
+        raise
 
 
 def _that_travels(error: BaseException) -> BaseException:

@@ -20,3 +20,8 @@ def test_a_group_holds_whole_rows_of_a_pixel(sampling):
 
 def test_common_samplings_have_groups_of_several_rows():
     assert [rows_at_once(sampling) for sampling in (4, 6, 8, 12)] == [4, 6, 4, 3]
+
+
+def test_taichi_does_not_warn_of_a_loop_over_a_group(taichi):
+    longest = max(rows_at_once(sampling) * sampling for sampling in range(1, 17))
+    assert 32 < longest <= taichi.lang.impl.get_runtime().unrolling_limit  # 32 is taichi's own limit
