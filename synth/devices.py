@@ -9,8 +9,10 @@ from typing import Any
 
 DEVICES = ("cpu", "cuda")
 _LONGEST_UNROLLED = 36
-"""Turns of a loop that a kernel writes out; taichi warns of longer ones, which take long to compile. A group of
-samples has as many: see `synth.camera.samples`."""
+"""Turns of a loop that a kernel writes out; taichi warns of longer ones, which take long to compile.
+
+A group of samples has as many: see `synth.camera.samples`.
+"""
 
 
 def cache_folder() -> Path:

@@ -142,8 +142,8 @@ class ParticleField:
         """Particle nearest to points, and the strain there: int32, float32, as many as `point` lists.
 
         `point` (int32) lists which of the points `x`, `z` (m) are meant; only at the places of this list that
-        `chosen` (int32) names the result means something. The strain is the equivalent shear strain sqrt(2 e:e), e the deviator of the symmetric displacement
-        gradient. Without a particle near they are -1 and 0.
+        `chosen` (int32) names the result means something. The strain is the equivalent shear strain
+        sqrt(2 e:e), e the deviator of the symmetric displacement gradient. Without a particle near they are -1 and 0.
         """
         import numpy as np
 

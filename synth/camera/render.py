@@ -101,9 +101,7 @@ def _render_frames(
             with clock.stage("moving"):
                 following = motion.advance(placement)
             with clock.stage("truth"):
-                pair = pair_truth(
-                    scene, recording, covered, motion, placement, following, arrays=room.truth
-                )
+                pair = pair_truth(scene, recording, covered, motion, placement, following, arrays=room.truth)
             writer.write_truth(room, pair)
             placement, previous = following, placement
         if progress is not None:

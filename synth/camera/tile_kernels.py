@@ -87,9 +87,9 @@ def count_in_tiles(
     count: _i32_table,
     drawn: _i32,
 ):
-    """Count every part's grains in every tile, and list those that are in one, from the part's first place on.
+    """Count every part's grains in every tile, and list those in one in `drawn`, from the part's first on.
 
-    Column `SEVERAL` of `count`, from its end, is scratch; column `NONE` becomes the length of the part's list.
+    The last column of `count` becomes the length of the part's list, the one before it is scratch.
     """
     size = (x.shape[0] + count.shape[0] - 1) // count.shape[0]
     for share in range(count.shape[0] * SHARES):

@@ -1,5 +1,6 @@
-"""The end at which frames are written, in a thread or a process of its own: it takes orders until it is told
-that there are no more, or nobody is left to give any.
+"""The end at which frames are written, in a thread or a process of its own.
+
+It takes orders until it is told that there are no more, or nobody is left to give any.
 """
 
 import contextlib

@@ -6,7 +6,7 @@ import subprocess
 import sys
 from multiprocessing.connection import Connection
 
-# The process takes the modules from where its parent has them, and needs no guard in the parent's main module.
+# It takes the modules from where its parent has them, and needs no guard in the parent's main module.
 _CODE = (
     "import json, sys; sys.path[:] = json.loads(sys.argv[1]); "
     "from synth.camera.writing_process import main; main(*map(int, sys.argv[2:]))"

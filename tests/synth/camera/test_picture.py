@@ -5,8 +5,8 @@ from scipy.ndimage import map_coordinates
 from synth.camera.cover import Cover, cover
 from synth.camera.motion import Placement
 from synth.camera.picture import light_on_sensor
-from synth.camera.sensor import expose
 from synth.camera.samples import in_groups
+from synth.camera.sensor import expose
 from synth.camera.texture import MicroGrains
 from synth.camera.tiles import TILE, sort_into_tiles
 from synth.camera.view import View

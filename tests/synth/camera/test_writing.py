@@ -89,7 +89,7 @@ def test_a_full_disk_is_told_in_one_line_with_the_file(footing, apart):
     place = footing("full")
     picture = place.folder / "frames" / "000001.png"
     picture.symlink_to("/dev/full")
-    with pytest.raises(OSError) as caught, FootageWriter(place, apart=apart) as writer:  # noqa: PT011
+    with pytest.raises(OSError) as caught, FootageWriter(place, apart=apart) as writer:
         write_all(writer)
     assert caught.value.errno == errno.ENOSPC
     assert error_line(caught.value).count("\n") == 0
