@@ -3,6 +3,10 @@
 Grey levels between pixels come from cubic B-splines; the slopes are the mean of both pictures', which makes
 the linear equation right to second order in what is left of the motion. Uneven and changing light is met by
 a factor and an offset of the second picture, smooth over `LIGHT_SCALE` px.
+
+Noise in the slopes is taken for texture, and draws fits towards the motion they start from: by the share that
+it has in the slopes' squares, which the two pictures' slopes tell, since noise is all that they do not share.
+The residuals are stretched by it. Where there is much noise, pictures are smoothed a little before.
 """
 
 from dataclasses import dataclass, replace
@@ -15,6 +19,10 @@ LIGHT_SCALE = 15.0
 """Standard deviation of the window in which both pictures get the same mean and contrast, px."""
 _LIGHT_SHRINK = 4
 """Pictures are reduced by this for it."""
+_NOISY = 1.15
+"""Mean square of the slopes / that of what both pictures share, from which on they are smoothed,"""
+_SMOOTHING = 0.5
+"""by a Gaussian of this standard deviation, px."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,23 +38,43 @@ class PicturePair:
     usable : (h, w) float32
         1 where a pixel of the first may be used, else 0.
     step : int
+    stretch : float
+        Mean square of the slopes / their noise-free part: see above.
+    correlation : float
+        How much more noise there is in sums of slope times noise than if pixels' were independent, as
+        variance: smoothing makes neighbours' alike.
     """
 
     first: np.ndarray
     coefficients: np.ndarray
     usable: np.ndarray
     step: int = 1
+    stretch: float = 1.0
+    correlation: float = 1.0
 
     @classmethod
     def of(cls, first: np.ndarray, second: np.ndarray, mask: np.ndarray) -> "PicturePair":
         """From (H, W) float32 pictures and a bool mask, True = use."""
         return cls(grey_and_slopes(first), spline_coefficients(second), mask.astype(np.float32))
 
+    @classmethod
+    def calmed(
+        cls, first: np.ndarray, second: np.ndarray, mask: np.ndarray, motion: np.ndarray, step: int
+    ) -> "PicturePair":
+        """The same; noise is met as it is found with models (h, w, 6) of every `step`-th pixel's motion."""
+        pair = cls.of(first, second, mask)
+        stretch = pair.thinned(step)._slope_noise(motion)
+        if stretch > _NOISY:
+            pair = cls.of(_smoothed(first), _smoothed(second), mask)
+            stretch = pair.thinned(step)._slope_noise(motion)
+            pair = replace(pair, correlation=pair._correlation())
+        return replace(pair, stretch=stretch)
+
     def thinned(self, step: int) -> "PicturePair":
-        """With equations of every `step`-th pixel each way only."""
+        """With equations of every `step`-th pixel each way only, too far apart for smoothing to matter."""
         some = (slice(None, None, step), slice(None, None, step))
         first, usable = np.ascontiguousarray(self.first[some]), np.ascontiguousarray(self.usable[some])
-        return PicturePair(first, self.coefficients, usable, step)
+        return replace(self, first=first, usable=usable, step=step, correlation=1.0)
 
     def only(self, mask: np.ndarray) -> "PicturePair":
         """With fewer pixels to use: those of a (h, w) bool mask."""
@@ -66,16 +94,38 @@ class PicturePair:
         warp(self.coefficients, self.step, models, 3, warped)
         gain = _gain(self.first[:, :, 0], warped[:, :, 0], self.usable * warped[:, :, 3], self.step)
         values = np.empty((*self.shape, 7), np.float32)
-        kernels.constrain(self.first, warped, gain, models, self.usable, self.step, values)
-        return Constraints(values, gain, warped[:, :, 1:3], self.step)
+        kernels.constrain(self.first, warped, gain, models, self.usable, self.step, self.stretch, values)
+        return Constraints(values, gain, self.step, self.stretch)
 
     def constrain_again(self, constraints: "Constraints", models: np.ndarray, places: np.ndarray) -> None:
         """Renew the equations of some places, rows and columns (P, 2) int32, whose models are others now."""
         from soft.flow.robust_affine import brightness_kernels as kernels
 
         kernels.constrain_places(
-            places, self.coefficients, self.first, constraints.gain, models, self.usable, constraints.values
-        )
+            places, self.coefficients, self.first, constraints.gain, models, self.usable, self.stretch,
+            constraints.values,
+        )  # fmt: skip
+
+    def _slope_noise(self, models: np.ndarray) -> float:
+        """Mean square of the slopes used / their noise-free part, which both pictures share; at least 1."""
+        from soft.flow.spline_kernels import warp
+
+        warped = np.empty((*self.shape, 4), np.float32)
+        warp(self.coefficients, self.step, models, 3, warped)
+        use = self.usable * warped[:, :, 3] > 0
+        before, after = self.first[:, :, 1:][use], warped[:, :, 1:3][use]
+        shared = float(np.vdot(before, after)) if use.any() else 0.0
+        mean = before + after
+        return max(1.0, float(np.vdot(mean, mean)) / 4 / shared) if shared > 0 else 1.0
+
+    def _correlation(self) -> float:
+        use = self.usable > 0
+        point = np.zeros((9, 9), np.float32)
+        point[4, 4] = 1
+        alone = float(np.square(_smoothed(point)).sum())
+        slopes = self.first[:, :, 1:]
+        own = float(np.square(slopes[use]).sum())
+        return float(np.square(_smoothed(slopes)[use]).sum()) / own / alone if own > 0 else 1.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,16 +139,16 @@ class Constraints:
         jy times the residual on average, over the residual's variance.
     gain : (H, W, 2) float32
         Factor and offset of the second picture.
-    slopes : (H, W, 2) float32
-        Of the warped second picture, before the factor.
     step : int
         From pixel to pixel, px.
+    stretch : float
+        Of the residuals in d.
     """
 
     values: np.ndarray
     gain: np.ndarray
-    slopes: np.ndarray
     step: int
+    stretch: float
 
     def noise(self) -> float:
         """Standard deviation of the residuals, grey levels, from their median: outliers do not count."""
@@ -106,21 +156,11 @@ class Constraints:
         residual = np.abs(some[:, :, 4][some[:, :, 3] > 0])
         return 1.4826 * float(np.median(residual)) + 1e-3 if residual.size else 1.0
 
-    def slope_noise(self, first: np.ndarray) -> float:
-        """Mean square of the slopes used / their noise-free part, which both pictures share; at least 1.
 
-        Parameters
-        ----------
-        first : (H, W, 3) float32
-            As in `PicturePair`.
-        """
-        use = self.values[::3, ::3, 3] > 0
-        before = first[::3, ::3, 1:][use]
-        after = self.slopes[::3, ::3][use] * self.gain[::3, ::3, :1][use]
-        shared = float(np.mean(before * after, dtype=np.float64)) if use.any() else 0.0
-        if shared <= 0:
-            return 1.0
-        return max(1.0, float(np.mean((before + after) ** 2, dtype=np.float64)) / 4 / shared)
+def _smoothed(values: np.ndarray) -> np.ndarray:
+    import cv2
+
+    return cv2.GaussianBlur(values, (0, 0), _SMOOTHING)
 
 
 def averaged_small(values: np.ndarray, sigma: float, shrink: int) -> np.ndarray:

@@ -42,13 +42,13 @@ def noise_pull(x, y):
 
 
 @ti.func
-def equation(first: ti.template(), gain: ti.template(), warped, model_u, model_v, row, column):
-    """jx, jy, d = j . u - r and the residual r of one pixel."""
+def equation(first: ti.template(), gain: ti.template(), warped, model_u, model_v, stretch, row, column):
+    """jx, jy, d = j . u - stretch r and the residual r of one pixel."""
     factor = gain[row, column, 0]
     residual = factor * warped[0] + gain[row, column, 1] - first[row, column, 0]
     jx = (first[row, column, 1] + factor * warped[1]) / 2
     jy = (first[row, column, 2] + factor * warped[2]) / 2
-    return ti.Vector([jx, jy, jx * model_u + jy * model_v - residual, residual])
+    return ti.Vector([jx, jy, jx * model_u + jy * model_v - stretch * residual, residual])
 
 
 @ti.kernel
@@ -59,17 +59,18 @@ def constrain(
     models: Channels,
     usable: Picture,
     step: ti.i32,
+    stretch: ti.f32,
     constraint: Channels,
 ):
     """Linear brightness constraints at every pixel's present motion: jx, jy, d, weight, residual, pull.
 
     `pull` is that of noise, two numbers. `first` holds grey level and slopes; `gain` factor and offset that
-    bring the second picture to its light.
+    bring the second picture to its light; `stretch` meets noise of the slopes.
     """
     for row, column in ti.ndrange(usable.shape[0], usable.shape[1]):
         there = ti.Vector([warped[row, column, 0], warped[row, column, 1], warped[row, column, 2]])
         u, v = models[row, column, 0], models[row, column, 3]
-        found = equation(first, gain, there, u, v, row, column)
+        found = equation(first, gain, there, u, v, stretch, row, column)
         for k in ti.static(range(3)):
             constraint[row, column, k] = found[k]
         constraint[row, column, 3] = usable[row, column] * warped[row, column, 3]
@@ -86,6 +87,7 @@ def constrain_places(
     gain: Channels,
     models: Channels,
     usable: Picture,
+    stretch: ti.f32,
     constraint: Channels,
 ):
     """The same at some places only, where pixels have gone elsewhere since."""
@@ -94,7 +96,7 @@ def constrain_places(
         row, column = places[place, 0], places[place, 1]
         u, v = models[row, column, 0], models[row, column, 3]
         x, y = column + u, row + v
-        found = equation(first, gain, sample(coefficients, x, y), u, v, row, column)
+        found = equation(first, gain, sample(coefficients, x, y), u, v, stretch, row, column)
         for k in ti.static(range(3)):
             constraint[row, column, k] = found[k]
         constraint[row, column, 3] = usable[row, column] * inside(x, y, height, width)

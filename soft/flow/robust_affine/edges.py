@@ -153,6 +153,6 @@ def _smooth(models: np.ndarray, zone: _Zone) -> None:
 def _refit(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: float) -> None:
     from soft.flow.robust_affine import edge_kernels as kernels
 
-    fitted = np.empty((len(zone.places), 6), np.float32)
-    kernels.refit(zone.places, constraints.values, _REACH, _WINDOW, _APART, noise, _FIT_WIDTH, models, fitted)
+    fitted, width = np.empty((len(zone.places), 6), np.float32), _FIT_WIDTH * constraints.stretch
+    kernels.refit(zone.places, constraints.values, _REACH, _WINDOW, _APART, noise, width, models, fitted)
     models[zone.index] = fitted

@@ -83,10 +83,10 @@ def _solve(
     first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
 ) -> FlowField:
     options = options.resolved
-    pair = PicturePair.of(first, second, shrunk(mask, MARGIN))
+    coarse = seed(first, second, quick=options.preset == "fast")
+    pair = PicturePair.calmed(first, second, shrunk(mask, MARGIN), coarse, _THIN)
     deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
     thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
-    coarse = seed(first, second, quick=options.preset == "fast")
     if options.preset == "accurate":
         thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], _approached(trusted, coarse))
         trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | inner)
@@ -133,7 +133,7 @@ def _chosen(
     if products.step < _THIN:
         products, models = products.gathered(), models[::_THIN, ::_THIN]
     stride = windows[0].stride // products.step
-    inflated = noise * float(np.sqrt(_SLOPE_NOISE * constraints.slope_noise(pair.first)))
+    inflated = noise * pair.stretch * float(np.sqrt(_SLOPE_NOISE * pair.correlation))
     return choose(products, windows, models, stride=stride, noise=inflated, confidence=options.confidence)
 
 
@@ -144,7 +144,7 @@ def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray
     mend(pair, models, constraints, broken)
     noise = constraints.noise()
     products = Products.of(constraints, noise, _NARROW, rest=True).gathered()
-    fit_rest(products, _CURVE, noise).add_to(models, np.ascontiguousarray(curved))
+    fit_rest(products, _CURVE, noise * float(np.sqrt(pair.correlation))).add_to(models, np.ascontiguousarray(curved))
     return models
 
 

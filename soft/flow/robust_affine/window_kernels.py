@@ -28,12 +28,19 @@ def pull_share(z):
 
 @ti.kernel
 def multiply(
-    constraint: Channels, noise: ti.f32, width: ti.f32, rest: ti.i32, squares: Channels, targets: Channels
+    constraint: Channels,
+    noise: ti.f32,
+    width: ti.f32,
+    stretch: ti.f32,
+    rest: ti.i32,
+    squares: Channels,
+    targets: Channels,
 ):
     """What windows sum: jx jx, jx jy, jy jy and jx d, jy d, each times its pixel's weight.
 
     Weights are Lorentzian, `width` in `noise`, which is in grey levels (the paper's Eq. 5). Targets are freed
-    of noise's pull. With `rest` 1, d is what the present motion leaves unexplained.
+    of noise's pull, which is stretched as residuals are in d. With `rest` 1, d is what the present motion
+    leaves unexplained.
     """
     for row, column in ti.ndrange(constraint.shape[0], constraint.shape[1]):
         residual = constraint[row, column, 4]
@@ -44,7 +51,7 @@ def multiply(
         squares[row, column, 0] = weight * jx * jx
         squares[row, column, 1] = weight * jx * jy
         squares[row, column, 2] = weight * jy * jy
-        free = weight * pull_share(z) * noise * noise
+        free = weight * pull_share(z) * noise * noise * ti.select(rest == 1, 1, stretch)
         targets[row, column, 0] = weight * jx * d + free * constraint[row, column, 5]
         targets[row, column, 1] = weight * jy * d + free * constraint[row, column, 6]
 
@@ -235,6 +242,7 @@ def add_spread(at_nodes: Channels, stride: ti.i32, where: Flags, models: Channel
 def take_agreeing(
     at_nodes: Channels,
     variance: Channels,
+    bearable: Flags,
     stride: ti.i32,
     step: ti.i32,
     confidence: ti.f32,
@@ -250,8 +258,8 @@ def take_agreeing(
 
     A pixel has agreed so far if its level is `level` - 1. `intervals` (H, W, 4) holds lower and upper ends;
     `motions` (H, W, 2) comes out as this level's u and v, `excess` as the square of what the level before
-    found otherwise, less half of what noise alone makes of it if both see the same. Models and variances are
-    told at nodes.
+    found otherwise, less half of what noise alone makes of it if both see the same. Models, variances and
+    whether they are bearable at all are told at nodes.
     """
     lines, nodes = variance.shape[0], variance.shape[1]
     for row, column in ti.ndrange(levels.shape[0], levels.shape[1]):
@@ -261,7 +269,7 @@ def take_agreeing(
         if levels[row, column] == level - 1:
             line = ti.min((row + stride // 2) // stride, lines - 1)
             node = ti.min((column + stride // 2) // stride, nodes - 1)
-            met = 1
+            met = ti.cast(bearable[line, node], ti.i32)
             for k in ti.static(range(2)):
                 half = confidence * ti.sqrt(variance[line, node, k])
                 low = ti.max(intervals[row, column, 2 * k], model[3 * k] - half)

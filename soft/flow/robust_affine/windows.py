@@ -6,7 +6,9 @@ motion is curved ("twicing": Tukey, *Exploratory Data Analysis*, 1977): a window
 
 Which size: each is unbiased if small enough, and the larger, the less noise. Going from small to large, the
 largest is taken whose confidence interval still meets all smaller ones' (intersection of confidence
-intervals: Katkovnik, Egiazarian, Astola, *J. Mathematical Imaging and Vision* 16, 2002).
+intervals: Katkovnik, Egiazarian, Astola, *J. Mathematical Imaging and Vision* 16, 2002). At one place such
+intervals miss what is well below the noise; so a larger window is taken only where, on average around a
+place, what it finds otherwise is less than the noise it saves.
 """
 
 from dataclasses import dataclass, replace
@@ -21,6 +23,16 @@ _LEAST_PLACES = 2.0
 """A window that is at least so many places wide, as standard deviation, may sum over twice as few."""
 _MIDDLING = 2
 """The window that a jump is seen by."""
+_LEAST_JUDGED = 3.0
+"""Standard deviation of windows from which on larger ones are judged around a place, px."""
+_JUDGED_WITHIN = 1.5
+"""Standard deviation of the window in which that is done / the smaller window's."""
+_DEARER = 0.7
+"""What a window must save, as variance, for what it costs,"""
+_MOST_DEAR = 4.0
+"""of which so much counts at most at one place: else breaks of the motion would spoil what lies around."""
+_MEASURED = 1.0
+"""Variance by noise below which a window has pixels to use, px^2."""
 _BINOMIAL = np.array([1 / 4, 1 / 2, 1 / 4], np.float32)
 _BLUR = 1 / 2
 """Variance of it, squared places."""
@@ -30,8 +42,12 @@ _BENT = 0.04
 """There a fit's rest, root mean square, must be larger than this, px,"""
 _BEYOND_NOISE = 1.0
 """and than what noise makes of it: this is the factor on that variance."""
+_TINY = 1e-9
+"""Px^2."""
 _BENT_WITHIN = 2.0
 """Standard deviation of the window in which that is judged, nodes."""
+_CALM = 0.27
+"""A fit's rest is taken less where it is no more than this share of its variance by noise."""
 _TWICED = 1.83
 """Variance of a fit with a second one to its rest / without: 4 - 4 (2/3) + 2/4 for Gaussian windows."""
 
@@ -76,7 +92,10 @@ class Products:
 
         shape, step = constraints.values.shape[:2], constraints.step
         products = cls(np.empty((*shape, 3), np.float32), np.empty((*shape, 2), np.float32), step, step)
-        kernels.multiply(constraints.values, noise, width, int(rest), products.squares, products.targets)
+        stretch = constraints.stretch
+        kernels.multiply(
+            constraints.values, noise, width, stretch, int(rest), products.squares, products.targets
+        )
         return products
 
     def gathered(self) -> "Products":
@@ -212,8 +231,44 @@ def fit_rest(products: Products, window: Window, noise: float) -> Fit:
     further = _solved(products.after(once, window.stride), window, found.moments, np.zeros_like(once))
     square = cv2.GaussianBlur(once[:, :, 0] ** 2 + once[:, :, 3] ** 2, (0, 0), _BENT_WITHIN)
     by_noise = np.minimum(found.variance(noise).sum(axis=2), 1)
+    sure = np.clip(1 - _CALM * by_noise / np.maximum(square, _TINY), 0, 1)
     more = np.clip(square / (_BENT**2 + _BEYOND_NOISE * by_noise) - 1, 0, 1)
-    return replace(found, at_nodes=once + _FURTHER * more[:, :, None] * further)
+    return replace(found, at_nodes=sure[:, :, None] * once + _FURTHER * more[:, :, None] * further)
+
+
+def _bearable(smaller: Fit | None, larger: Fit, noise: float) -> np.ndarray:
+    """Tell at which nodes a window saves more noise than it costs: (lines, nodes) uint8, 0 or 1.
+
+    With f and F what the smaller and the larger one find, v the variance of f and c its covariance with F:
+    motion that F smoothes away adds E (F - f)^2 - (v + V - 2 c) to its squared error, and it saves v - V.
+    """
+    import cv2
+
+    if smaller is None or smaller.window.sigma < _LEAST_JUDGED:
+        return np.ones(larger.at_nodes.shape[:2], np.uint8)
+    every = larger.window.stride // smaller.window.stride
+    some = (slice(None, None, every), slice(None, None, every))
+    variance = smaller.variance(noise)[some].sum(axis=2)
+    apart = np.square((larger.at_nodes - smaller.at_nodes[some])[:, :, ::3]).sum(axis=2)
+    saved = 2 * (1 - _shared(smaller.window.sigma, larger.window.sigma)) * variance
+    cost = np.minimum(apart / (_DEARER * saved + _TINY), _MOST_DEAR)
+    measured = (variance < _MEASURED).astype(np.float32)
+    within = _JUDGED_WITHIN * smaller.window.sigma / larger.window.stride
+    total, share = (cv2.GaussianBlur(each, (0, 0), within) for each in (measured * cost, measured))
+    return (total <= share).astype(np.uint8)
+
+
+def _shared(smaller: float, larger: float) -> float:
+    """Covariance of two windows' fits by noise / variance of the smaller's, from their standard deviations.
+
+    A fit with a second one to its rest sums with 2 g - g * g, g the Gaussian window.
+    """
+
+    def overlap(a: float, b: float) -> float:
+        parts = ((2, 1), (-1, 2))
+        return sum(p * q / (i * a * a + j * b * b) for p, i in parts for q, j in parts)
+
+    return overlap(smaller, larger) / overlap(smaller, smaller)
 
 
 def _moments(products: Products, window: Window) -> np.ndarray:
@@ -311,15 +366,16 @@ def choose(
     intervals = np.tile(np.array([-np.inf, np.inf], np.float32), pairs)
     variance, level_of = np.zeros(pairs, np.float32), np.full(shape, -1, np.int32)
     excess, smallest, motions = (np.zeros(pairs, np.float32) for _ in range(3))
-    smallest_variance, jump = variance, np.zeros(shape, np.float32)
+    smallest_variance, jump, smaller = variance, np.zeros(shape, np.float32), None
     for level, window in enumerate(windows):
         while products.suit(window):
             products, held = products.gathered(), held[::2, ::2]
         found = fit(products, window, held, twice=True)
         kernels.take_agreeing(
-            found.at_nodes, found.variance(noise), window.stride // step, step, confidence, level, intervals,
-            motions if level else smallest, models, variance, excess, level_of,
+            found.at_nodes, found.variance(noise), _bearable(smaller, found, noise), window.stride // step, step,
+            confidence, level, intervals, motions if level else smallest, models, variance, excess, level_of,
         )  # fmt: skip
+        smaller = found
         if level == 0:
             smallest_variance = variance.copy()
         if level == _MIDDLING:
