@@ -4,9 +4,9 @@ Grey levels between pixels come from cubic B-splines; the slopes are the mean of
 the linear equation right to second order in what is left of the motion. Uneven and changing light is met by
 a factor and an offset of the second picture, smooth over `LIGHT_SCALE` px.
 
-Noise in the slopes is taken for texture, and draws fits towards the motion they start from: by the share that
-it has in the slopes' squares, which the two pictures' slopes tell, since noise is all that they do not share.
-The residuals are stretched by it. Where there is much noise, pictures are smoothed a little before.
+Noise in the slopes is taken for texture, and draws fits towards the motion they start from, by the share that
+it has in the slopes' squares: the one that the two pictures' slopes have not in common. Where it matters,
+pictures are smoothed a little, and residuals stretched by what is left of it.
 """
 
 from dataclasses import dataclass, replace
@@ -20,9 +20,9 @@ LIGHT_SCALE = 15.0
 _LIGHT_SHRINK = 4
 """Pictures are reduced by this for it."""
 _NOISY = 1.15
-"""Mean square of the slopes / that of what both pictures share, from which on they are smoothed,"""
+"""Mean square of the slopes / their noise-free part, from which on noise matters."""
 _SMOOTHING = 0.5
-"""by a Gaussian of this standard deviation, px."""
+"""Pictures are smoothed by a Gaussian of this standard deviation then, px."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,11 +64,11 @@ class PicturePair:
         """The same; noise is met as it is found with models (h, w, 6) of every `step`-th pixel's motion."""
         pair = cls.of(first, second, mask)
         stretch = pair.thinned(step)._slope_noise(motion)
-        if stretch > _NOISY:
-            pair = cls.of(_smoothed(first), _smoothed(second), mask)
-            stretch = pair.thinned(step)._slope_noise(motion)
-            pair = replace(pair, correlation=pair._correlation())
-        return replace(pair, stretch=stretch)
+        if stretch < _NOISY:
+            return pair
+        pair = cls.of(_smoothed(first), _smoothed(second), mask)
+        stretch = pair.thinned(step)._slope_noise(motion)
+        return replace(pair, stretch=stretch, correlation=pair._correlation())
 
     def thinned(self, step: int) -> "PicturePair":
         """With equations of every `step`-th pixel each way only, too far apart for smoothing to matter."""

@@ -27,6 +27,8 @@ _LEAST_JUDGED = 3.0
 """Standard deviation of windows from which on larger ones are judged around a place, px."""
 _JUDGED_WITHIN = 1.5
 """Standard deviation of the window in which that is done / the smaller window's."""
+_LEAST_WITHIN = 1.0
+"""The same, nodes, for nodes far apart."""
 _DEARER = 0.7
 """What a window must save, as variance, for what it costs,"""
 _MOST_DEAR = 4.0
@@ -253,7 +255,7 @@ def _bearable(smaller: Fit | None, larger: Fit, noise: float) -> np.ndarray:
     saved = 2 * (1 - _shared(smaller.window.sigma, larger.window.sigma)) * variance
     cost = np.minimum(apart / (_DEARER * saved + _TINY), _MOST_DEAR)
     measured = (variance < _MEASURED).astype(np.float32)
-    within = _JUDGED_WITHIN * smaller.window.sigma / larger.window.stride
+    within = max(_JUDGED_WITHIN * smaller.window.sigma / larger.window.stride, _LEAST_WITHIN)
     total, share = (cv2.GaussianBlur(each, (0, 0), within) for each in (measured * cost, measured))
     return (total <= share).astype(np.uint8)
 
