@@ -29,7 +29,7 @@ _JUDGED_WITHIN = 1.5
 """Standard deviation of the window in which that is done / the smaller window's."""
 _LEAST_WITHIN = 1.0
 """The same, nodes, for nodes far apart."""
-_DEARER = 0.7
+_DEARER = 0.8
 """What a window must save, as variance, for what it costs,"""
 _MOST_DEAR = 4.0
 """of which so much counts at most at one place: else breaks of the motion would spoil what lies around."""
