@@ -90,8 +90,8 @@ def estimate_flow(
             right &= lands_on(has_texture(second), field.displacement)
         back = None
         if check is not None and (field.valid & right).any():
-            back = read_back(field.displacement, _backward(estimator, first, second, field, settings))
-            right &= check.passed(field.displacement, back)
+            back = _way_back(estimator, first, second, field, settings)
+            right &= _passed(check, field.displacement, back)
         field = field.where(right, copy=False)  # made here, nobody else has it
         return _with_uncertainty(estimator, first, second, field, back, settings, wanted=uncertainty)
 
@@ -152,8 +152,24 @@ def _check(estimator: Estimator, wish: bool | float | None, settings: object) ->
     return check
 
 
+def _way_back(estimator: Estimator, first, second, field: FlowField, settings) -> np.ndarray:
+    """Backward displacement where pixels land, px: of each, or of every so many each way."""
+    backward = _backward(estimator, first, second, field, settings)
+    step = -(-first.shape[0] // backward.shape[0])
+    if step == 1:
+        return read_back(field.displacement, backward)
+    return step * read_back(field.displacement[::step, ::step] / step, backward / step)
+
+
+def _passed(check: Check, forward: np.ndarray, back: np.ndarray) -> np.ndarray:
+    height, width = forward.shape[:2]
+    step = -(-height // back.shape[0])
+    passed = check.passed(forward[::step, ::step], back)
+    return passed.repeat(step, axis=0).repeat(step, axis=1)[:height, :width]
+
+
 def _backward(estimator: Estimator, first, second, field: FlowField, settings) -> np.ndarray:
-    """Displacement from the second picture to the first, (H, W, 2) px on the second's grid."""
+    """Displacement from the second picture to the first, px, on the second's grid or a coarser one."""
     if estimator.backward is not None:
         return estimator.backward(first, second, field, settings)
     usable = landed(field.displacement) if estimator.keeps_to_mask else np.ones(first.shape, bool)

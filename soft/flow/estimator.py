@@ -30,8 +30,8 @@ class BackwardSolver(Protocol):
     ) -> np.ndarray:
         """Measure displacement from `second` to `first`, (H, W, 2) px on the grid of `second`.
 
-        Pictures are as given to the `Solver`; `forward` is its answer. NaN where not measured: what lands
-        there is not valid.
+        Or (h, w, 2) px on that of every second, third, ... pixel each way. Pictures are as given to the
+        `Solver`; `forward` is its answer. NaN where not measured: what lands there is not valid.
         """
         ...
 

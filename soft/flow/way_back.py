@@ -9,7 +9,7 @@ from soft.flow.opencv import halved, to_8bit
 
 MISSES = 2.0
 """By so much the way back may miss the start, px: near breaks of the motion, coarse search is off by one."""
-QUICK_MISSES = 1.0
+QUICK_MISSES = 0.5
 """The same without a search."""
 _FINEST = 2
 """Level of the pyramid on which the search ends."""
@@ -41,17 +41,13 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options:
 def quick_way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options: object) -> np.ndarray:
     """The forward motion turned round, on pictures of half the size, without a search.
 
-    Where several have landed, the one under whose motion the pictures agree: what is hidden lands there too,
+    (h, w, 2) px, of every second pixel each way. Where several have landed, the one under whose motion the pictures agree: what is hidden lands there too,
     and is not taken back.
     """
-    import cv2
-
-    height, width = first.shape
     before, after = (halved(to_8bit(grey)) for grey in (first, second))
     there = forward.displacement[::2, ::2] / 2
     known = np.nan_to_num(there)
-    back = _turned(there, _agree(mismatch(before, after, known, box=_BOX)), -known)
-    return cv2.resize(2 * back, (width, height), interpolation=cv2.INTER_NEAREST)
+    return 2 * _turned(there, _agree(mismatch(before, after, known, box=_BOX)), -known)
 
 
 def _back(before: np.ndarray, after: np.ndarray, there: np.ndarray, *, finest: int) -> np.ndarray:

@@ -106,10 +106,10 @@ def _solve(
 
 
 def _told(models: np.ndarray, mask: np.ndarray, sigma: np.ndarray) -> FlowField:
-    import cv2
+    from soft.flow.robust_affine import window_kernels as kernels
 
     displacement, gradient = (np.empty((*mask.shape, channels), np.float32) for channels in (2, 4))
-    cv2.mixChannels([models], [displacement, gradient], [0, 0, 3, 1, 1, 2, 2, 3, 4, 4, 5, 5])
+    kernels.tell(models, displacement, gradient)
     return FlowField(displacement, mask, sigma, gradient.reshape(*mask.shape, 2, 2), copy=False)
 
 

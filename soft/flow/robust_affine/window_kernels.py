@@ -220,6 +220,28 @@ def solve_nodes(moments: Channels, rights: Channels, scale: ti.f32, held: Channe
 
 
 @ti.kernel
+def tell_variance(moments: Channels, each: ti.f64, variance: Channels):
+    """`each` times the inverse of every node's mean of the slopes' squares: of u and of v; at most 1e6."""
+    for line, node in ti.ndrange(variance.shape[0], variance.shape[1]):
+        xx = ti.cast(moments[line, node, 0], ti.f64)
+        xy = ti.cast(moments[line, node, 6], ti.f64)
+        yy = ti.cast(moments[line, node, 12], ti.f64)
+        share = each / ti.max(xx * yy - xy * xy, 1e-6)
+        variance[line, node, 0] = ti.min(yy * share, 1e6)
+        variance[line, node, 1] = ti.min(xx * share, 1e6)
+
+
+@ti.kernel
+def tell(models: Channels, displacement: Channels, gradient: Channels):
+    """Models taken apart: u, v, and d(u, v)_i / d(x, y)_j at 2 i + j."""
+    for row, column in ti.ndrange(models.shape[0], models.shape[1]):
+        for i in ti.static(range(2)):
+            displacement[row, column, i] = models[row, column, 3 * i]
+            for j in ti.static(range(2)):
+                gradient[row, column, 2 * i + j] = models[row, column, 3 * i + 1 + j]
+
+
+@ti.kernel
 def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
     """Every place's model from those told at nodes."""
     for row, column in ti.ndrange(models.shape[0], models.shape[1]):

@@ -171,10 +171,12 @@ class Fit:
         averages over 4 pi sigma^2 px. The gradient's uncertainty does not come in: at the middle of a window
         it is independent of the motion's.
         """
-        xx, xy, yy = (self.moments[:, :, k].astype(np.float64) for k in (0, 6, 12))
-        determinant = np.maximum(xx * yy - xy * xy, 1e-6)
+        from soft.flow.robust_affine import window_kernels as kernels
+
         each = noise * noise * _TWICED * self.spacing**2 / (4 * np.pi * self.window.sigma**2)
-        return np.minimum(np.dstack([yy, xx]) * (each / determinant)[:, :, None], 1e6).astype(np.float32)
+        variance = np.empty((*self.moments.shape[:2], 2), np.float32)
+        kernels.tell_variance(self.moments, each, variance)
+        return variance
 
 
 def repeated(values: np.ndarray, step: int, shape: tuple[int, int]) -> np.ndarray:
@@ -238,24 +240,27 @@ def fit_rest(products: Products, window: Window, noise: float) -> Fit:
     return replace(found, at_nodes=sure[:, :, None] * once + _FURTHER * more[:, :, None] * further)
 
 
-def _bearable(smaller: Fit | None, larger: Fit, noise: float) -> np.ndarray:
+def _bearable(smaller: tuple[Fit, np.ndarray] | None, larger: Fit) -> np.ndarray:
     """Tell at which nodes a window saves more noise than it costs: (lines, nodes) uint8, 0 or 1.
+
+    The smaller window's fits come with their variance.
 
     With f and F what the smaller and the larger one find, v the variance of f and c its covariance with F:
     motion that F smoothes away adds E (F - f)^2 - (v + V - 2 c) to its squared error, and it saves v - V.
     """
     import cv2
 
-    if smaller is None or smaller.window.sigma < _LEAST_JUDGED:
+    if smaller is None or smaller[0].window.sigma < _LEAST_JUDGED:
         return np.ones(larger.at_nodes.shape[:2], np.uint8)
-    every = larger.window.stride // smaller.window.stride
+    found, variance = smaller
+    every = larger.window.stride // found.window.stride
     some = (slice(None, None, every), slice(None, None, every))
-    variance = smaller.variance(noise)[some].sum(axis=2)
-    apart = np.square((larger.at_nodes - smaller.at_nodes[some])[:, :, ::3]).sum(axis=2)
-    saved = 2 * (1 - _shared(smaller.window.sigma, larger.window.sigma)) * variance
+    variance = variance[some].sum(axis=2)
+    apart = np.square(larger.at_nodes[:, :, ::3] - found.at_nodes[some][:, :, ::3]).sum(axis=2)
+    saved = 2 * (1 - _shared(found.window.sigma, larger.window.sigma)) * variance
     cost = np.minimum(apart / (_DEARER * saved + _TINY), _MOST_DEAR)
     measured = (variance < _MEASURED).astype(np.float32)
-    within = max(_JUDGED_WITHIN * smaller.window.sigma / larger.window.stride, _LEAST_WITHIN)
+    within = max(_JUDGED_WITHIN * found.window.sigma / larger.window.stride, _LEAST_WITHIN)
     total, share = (cv2.GaussianBlur(each, (0, 0), within) for each in (measured * cost, measured))
     return (total <= share).astype(np.uint8)
 
@@ -368,16 +373,17 @@ def choose(
     intervals = np.tile(np.array([-np.inf, np.inf], np.float32), pairs)
     variance, level_of = np.zeros(pairs, np.float32), np.full(shape, -1, np.int32)
     excess, smallest, motions = (np.zeros(pairs, np.float32) for _ in range(3))
-    smallest_variance, jump, smaller = variance, np.zeros(shape, np.float32), None
+    jump, smaller, smallest_variance = np.zeros(shape, np.float32), None, variance
     for level, window in enumerate(windows):
         while products.suit(window):
             products, held = products.gathered(), held[::2, ::2]
         found = fit(products, window, held, twice=True)
+        larger = (found, found.variance(noise))
         kernels.take_agreeing(
-            found.at_nodes, found.variance(noise), _bearable(smaller, found, noise), window.stride // step, step,
-            confidence, level, intervals, motions if level else smallest, models, variance, excess, level_of,
+            found.at_nodes, larger[1], _bearable(smaller, found), window.stride // step, step, confidence, level,
+            intervals, motions if level else smallest, models, variance, excess, level_of,
         )  # fmt: skip
-        smaller = found
+        smaller = larger
         if level == 0:
             smallest_variance = variance.copy()
         if level == _MIDDLING:
