@@ -43,16 +43,21 @@ class _Zone:
         Rows and columns of its pixels.
     around : (Q, 2) int32
         The same, and those that their costs are averaged over.
+    box : tuple of slice
+        Rows and columns that hold all of these.
     """
 
     mask: np.ndarray
     places: np.ndarray
     around: np.ndarray
+    box: tuple[slice, slice]
 
     @classmethod
     def of(cls, mask: np.ndarray) -> "_Zone":
         wider = grown(mask, _BOX // 2 + _SHIFT // 2)
-        return cls(mask, *(np.argwhere(where).astype(np.int32) for where in (mask, wider)))
+        places, around = (np.argwhere(where).astype(np.int32) for where in (mask, wider))
+        least, most = around.min(axis=0), around.max(axis=0) + 1
+        return cls(mask, places, around, (slice(least[0], most[0]), slice(least[1], most[1])))
 
     @property
     def index(self) -> tuple[np.ndarray, np.ndarray]:
@@ -78,7 +83,7 @@ def mend(pair: PicturePair, models: np.ndarray, constraints: Constraints, mask: 
     zone = _Zone.of(mask)
     noise = constraints.noise()
     models_before, values_before = models[zone.index], constraints.values[zone.index]
-    cost_before = _boxed(_costs(constraints, zone, _FIT_WIDTH * noise))[zone.index]
+    cost_before = _boxed(_costs(constraints, zone, _FIT_WIDTH * noise), zone)[zone.index]
     cost = _costs(constraints, zone, _COST_WIDTH * noise)
     for radii in RINGS:
         _propagate(pair, models, constraints, zone, cost, radii, _COST_WIDTH * noise)
@@ -87,7 +92,7 @@ def mend(pair: PicturePair, models: np.ndarray, constraints: Constraints, mask: 
     _refit(constraints, models, zone, noise)
     _smooth(models, zone)
     pair.constrain_again(constraints, models, zone.places)
-    worse = ~(_boxed(_costs(constraints, zone, _FIT_WIDTH * noise))[zone.index] < cost_before)
+    worse = ~(_boxed(_costs(constraints, zone, _FIT_WIDTH * noise), zone)[zone.index] < cost_before)
     back = tuple(axis[worse] for axis in zone.index)
     models[back], constraints.values[back] = models_before[worse], values_before[worse]
 
@@ -111,7 +116,7 @@ def _propagate(
             zone.places, right, down, pair.first, pair.coefficients, constraints.gain, pair.usable,
             width, models, candidates, cost,
         )  # fmt: skip
-        kernels.take_better(zone.places, candidates, _shifted(cost), least, models)
+        kernels.take_better(zone.places, candidates, _shifted(cost, zone), least, models)
 
 
 def _ring(radius: int) -> list[tuple[int, int]]:
@@ -128,26 +133,33 @@ def _costs(constraints: Constraints, zone: _Zone, width: float) -> np.ndarray:
     return cost
 
 
-def _boxed(cost: np.ndarray) -> np.ndarray:
+def _boxed(cost: np.ndarray, zone: _Zone) -> np.ndarray:
     import cv2
 
-    return cv2.boxFilter(cost, -1, (_BOX, _BOX))
+    boxed = np.empty_like(cost)
+    boxed[zone.box] = cv2.boxFilter(cost[zone.box], -1, (_BOX, _BOX))
+    return boxed
 
 
-def _shifted(cost: np.ndarray) -> np.ndarray:
+def _shifted(cost: np.ndarray, zone: _Zone) -> np.ndarray:
     """The least mean cost of the boxes that hold a pixel near their middle."""
     import cv2
 
-    return cv2.erode(_boxed(cost), np.ones((_SHIFT, _SHIFT), np.uint8))
+    shifted = np.empty_like(cost)
+    boxed = cv2.boxFilter(cost[zone.box], -1, (_BOX, _BOX))
+    shifted[zone.box] = cv2.erode(boxed, np.ones((_SHIFT, _SHIFT), np.uint8))
+    return shifted
 
 
 def _smooth(models: np.ndarray, zone: _Zone) -> None:
     """Put the median of the motions around each pixel of the zone in its place; gradients stay."""
     import cv2
 
+    there = models[zone.box]
+    within = zone.mask[zone.box]
     for component in (0, 3):
-        smooth = cv2.medianBlur(cv2.extractChannel(models, component), _MEDIAN)
-        models[(*zone.index, component)] = smooth[zone.index]
+        smooth = cv2.medianBlur(np.ascontiguousarray(there[:, :, component]), _MEDIAN)
+        there[within, component] = smooth[within]
 
 
 def _refit(constraints: Constraints, models: np.ndarray, zone: _Zone, noise: float) -> None:

@@ -35,9 +35,8 @@ _MOST_DEAR = 4.0
 """of which so much counts at most at one place: else breaks of the motion would spoil what lies around."""
 _MEASURED = 1.0
 """Variance by noise below which a window has pixels to use, px^2."""
-_BINOMIAL = np.array([1 / 4, 1 / 2, 1 / 4], np.float32)
 _BLUR = 1 / 2
-"""Variance of it, squared places."""
+"""Variance of a place's shares in those around it, squared places."""
 _FURTHER = 2.0
 """How much of a second fit's rest is taken where motion bends: a third one's and so on go the same way."""
 _BENT = 0.04
@@ -304,10 +303,12 @@ def _solved(products: Products, window: Window, moments: np.ndarray, held: np.nd
 
 
 def _gathered(products: np.ndarray) -> np.ndarray:
-    import cv2
+    from soft.flow.robust_affine import window_kernels as kernels
 
-    smooth = cv2.sepFilter2D(products, -1, _BINOMIAL, _BINOMIAL, borderType=cv2.BORDER_CONSTANT)
-    return np.ascontiguousarray(smooth[::2, ::2])
+    height, width, channels = products.shape
+    gathered = np.empty((-(-height // 2), -(-width // 2), channels), np.float32)
+    kernels.gather(products, gathered)
+    return gathered
 
 
 @dataclass(frozen=True, eq=False)
