@@ -86,6 +86,11 @@ class PicturePair:
         return replace(self, usable=self.usable * mask)
 
     @property
+    def noisy(self) -> bool:
+        """Whether noise matters."""
+        return self.stretch > 1
+
+    @property
     def shape(self) -> tuple[int, int]:
         """Lines and columns of equations."""
         return self.usable.shape  # type: ignore[return-value]

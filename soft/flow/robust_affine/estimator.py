@@ -40,8 +40,10 @@ _STEADY = 0.05
 """Px, as the median of their standard deviations."""
 _WIDE, _NARROW = 3.0, 2.0
 """Widths of the Lorentzian, first and then, in standard deviations of the pictures' noise."""
-_FEW_WINDOWS = (Window(2.5, 4), Window(6.0, 4), Window(20.0, 20))
-_WINDOWS = (Window(2.5, 2), Window(4.0, 2), Window(7.0, 4), Window(12.0, 4), Window(20.0, 8))
+_FEW_WINDOWS = (Window(2.5, 4), Window(6.0, 8), Window(20.0, 16))
+_FEW_CALM_WINDOWS = (Window(4.0, 4), Window(7.0, 8), Window(20.0, 16))
+"""Where noise matters."""
+_WINDOWS = (Window(2.5, 2), Window(4.0, 2), Window(7.0, 4), Window(12.0, 8), Window(20.0, 8))
 _CURVE = Window(4.0, 2)
 """In which, where motion is curved, what is left is fitted once more."""
 _JUMP = 0.08
@@ -87,14 +89,16 @@ def _solve(
     pair = PicturePair.calmed(first, second, shrunk(mask, MARGIN), coarse, _THIN)
     deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
     thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
-    if options.preset == "accurate":
-        thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], _approached(trusted, coarse))
+    accurate = options.preset == "accurate"
+    if accurate:
+        coarse = _approached(trusted, coarse)
+    thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], coarse)
+    if accurate:
         trusted = pair.only(repeated(thin.usable > 0, _THIN, pair.shape) | inner)
         pair, models = join(pair, trusted, deep, spread(models, _THIN, pair.shape))
         chosen = _chosen(pair, models, _WINDOWS, options)
     else:
-        thin, models = join(thin, trusted, deep[::_THIN, ::_THIN], coarse)
-        chosen = _chosen(thin, models, _FEW_WINDOWS, options)
+        chosen = _chosen(thin, models, _FEW_CALM_WINDOWS if pair.noisy else _FEW_WINDOWS, options)
     models = chosen.spread(pair.shape)
     if options.edges:
         models = _mended(pair, models, chosen)
