@@ -153,7 +153,7 @@ def _check(estimator: Estimator, wish: bool | float | None, settings: object) ->
 
 
 def _way_back(estimator: Estimator, first, second, field: FlowField, settings) -> np.ndarray:
-    """Backward displacement where pixels land, px: of each, or of every so many each way."""
+    """Backward displacement where pixels land, px; of every second or so each way, where it was told so."""
     backward = _backward(estimator, first, second, field, settings)
     step = -(-first.shape[0] // backward.shape[0])
     if step == 1:

@@ -4,12 +4,13 @@ import numpy as np
 
 from soft.flow.coarse_search import least_side, mismatch, search
 from soft.flow.consistency import landing
-from soft.flow.field import FlowField
+from soft.flow.field import FlowField, known
 from soft.flow.opencv import halved, to_8bit
+from soft.masks import grown
 
 MISSES = 2.5
 """By so much the way back may miss the start, px: near breaks of the motion, coarse search is off by one."""
-QUICK_MISSES = 0.5
+QUICK_MISSES = 0.4
 """The same without a search."""
 _FINEST = 1
 """Level of the halved pictures' pyramid on which the search ends."""
@@ -24,10 +25,11 @@ _CLEARLY = 0.85
 
 
 def way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options: object) -> np.ndarray:
-    """Motion from the second picture to the first, (h, w, 2) px, of every second pixel of the second each way.
+    """Motion from the second picture to the first, (h, w, 2) px, of every second pixel each way.
 
-    Found on pictures of half the size. A coarse search's, or the forward motion turned round where the pictures agree better under it: what is
-    hidden in the second picture, or was mistaken for something else, goes another way back.
+    Found on pictures of half the size. A coarse search's, or the forward motion turned round where the
+    pictures agree better under it: what is hidden in the second picture, or was mistaken for something else,
+    goes another way back. NaN where nothing has landed.
 
     Parameters
     ----------
@@ -41,23 +43,26 @@ def way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options:
     searched = np.zeros_like(there)
     if min(before.shape) >= least_side(_FINEST):
         searched = search(after, before, finest=_FINEST)
-    fits = _agree(mismatch(before, after, np.nan_to_num(there), box=_BOX))
-    turned = _turned(there, fits, searched)
+    turned = _turned(there, _agree(mismatch(before, after, np.nan_to_num(there), box=_BOX)))
+    reached = known(turned)
+    turned = np.where(reached[:, :, None], turned, searched)
     off = mismatch(after, before, turned, box=_BOX)
     factor = np.where(_agree(off), 1, _CLEARLY)
     right = off <= factor * mismatch(after, before, searched, box=_BOX)
-    return 2 * np.where(right[:, :, None], turned, searched)
+    right |= grown(~reached, 2)  # halved, the outermost that landed hold something else, too
+    back = np.where(right[:, :, None], turned, searched)
+    back[~reached] = np.nan
+    return 2 * back
 
 
 def quick_way_back(first: np.ndarray, second: np.ndarray, forward: FlowField, options: object) -> np.ndarray:
     """The forward motion turned round, on pictures of half the size, without a search.
 
-    (h, w, 2) px, of every second pixel each way. Where several have landed, the one under whose motion the pictures agree: what is hidden lands there too,
-    and is not taken back.
+    (h, w, 2) px, of every second pixel each way, NaN where nothing has landed. Where several have, the one
+    under whose motion the pictures agree: what is hidden lands there too, and is not taken back.
     """
     before, after, there = _halves(first, second, forward)
-    known = np.nan_to_num(there)
-    return 2 * _turned(there, _agree(mismatch(before, after, known, box=_BOX)), -known)
+    return 2 * _turned(there, _agree(mismatch(before, after, np.nan_to_num(there), box=_BOX)))
 
 
 def _halves(
@@ -71,15 +76,27 @@ def _agree(off: np.ndarray) -> np.ndarray:
     return off < _AGREEING * np.median(off[::_EVERY, ::_EVERY]) + _SLACK
 
 
-def _turned(forward: np.ndarray, fits: np.ndarray, otherwise: np.ndarray) -> np.ndarray:
-    """What moved there turned round, at the pixel where it has landed; elsewhere as told.
+def _turned(forward: np.ndarray, fits: np.ndarray) -> np.ndarray:
+    """What moved there turned round, at the pixel where it has landed; NaN where nothing has, nor beside.
 
     Where several have landed, one under whose motion the pictures fit stands.
     """
     height, width = forward.shape[:2]
     x, y = (np.rint(place).astype(np.int32) for place in landing(forward))
     inside = (x >= 0) & (y >= 0) & (x < width) & (y < height)
-    turned, place = otherwise.copy(), y * width + x
+    turned, place = np.full_like(forward, np.nan), y * width + x
     for some in (inside & ~fits, inside & fits):
         turned.reshape(-1, 2)[place[some]] = -forward[some]
-    return turned
+    return _closed(turned)
+
+
+def _closed(motion: np.ndarray) -> np.ndarray:
+    """Motion with the mean of what is known beside them where pixels are not known."""
+    import cv2
+
+    there = known(motion)
+    told = np.where(there[:, :, None], motion, 0)
+    total, share = (cv2.boxFilter(v, -1, (3, 3), normalize=False) for v in (told, there.astype(np.float32)))
+    beside = ~there & (share > 0.5)
+    motion[beside] = total[beside] / share[beside][:, None]
+    return motion

@@ -148,7 +148,9 @@ def _mended(pair: PicturePair, models: np.ndarray, chosen: Chosen) -> np.ndarray
     mend(pair, models, constraints, broken)
     noise = constraints.noise()
     products = Products.of(constraints, noise, _NARROW, rest=True).gathered()
-    fit_rest(products, _CURVE, noise * float(np.sqrt(pair.correlation))).add_to(models, np.ascontiguousarray(curved))
+    fit_rest(products, _CURVE, noise * float(np.sqrt(pair.correlation))).add_to(
+        models, np.ascontiguousarray(curved)
+    )
     return models
 
 

@@ -39,12 +39,14 @@ class Factors:
 
 FACTORS = {
     "accurate": Factors(
-        noise=(2.8, 2.8, 1.33, 1.33, 1.1),
-        excess=(0.0, 0.0, 1.4, 1.4, 2.0),
-        mended=0.57,
-        gradient=(0.0, 0.0, 2.0, 2.0, 30.0),
+        noise=(2.8, 2.8, 2.0, 2.0, 1.1),
+        excess=(2.3, 2.3, 4.7, 4.7, 0.6),
+        mended=0.05,
+        gradient=5 * (0.0,),
     ),
-    "fast": Factors(noise=3 * (0.7,), excess=3 * (1.0,), mended=1.8, gradient=3 * (17.0,)),
+    "fast": Factors(
+        noise=(0.03, 0.47, 0.31), excess=(0.0, 0.0, 0.67), mended=0.0, gradient=(2.2, 11.0, 436.0)
+    ),
 }
 _RIM = ((2, 1.2), (5, 1.95))
 """Factors on sigma at pixels with one outside the mask at most so many px off; both where both hold."""

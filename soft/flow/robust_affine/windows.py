@@ -381,8 +381,8 @@ def choose(
         found = fit(products, window, held, twice=True)
         larger = (found, found.variance(noise))
         kernels.take_agreeing(
-            found.at_nodes, larger[1], _bearable(smaller, found), window.stride // step, step, confidence, level,
-            intervals, motions if level else smallest, models, variance, excess, level_of,
+            found.at_nodes, larger[1], _bearable(smaller, found), window.stride // step, step, confidence,
+            level, intervals, motions if level else smallest, models, variance, excess, level_of,
         )  # fmt: skip
         smaller = larger
         if level == 0:
