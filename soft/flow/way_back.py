@@ -8,7 +8,7 @@ from soft.flow.field import FlowField, known
 from soft.flow.opencv import halved, to_8bit
 from soft.masks import grown
 
-MISSES = 2.5
+MISSES = 2.0
 """By so much the way back may miss the start, px: near breaks of the motion, coarse search is off by one."""
 QUICK_MISSES = 0.4
 """The same without a search."""

@@ -82,7 +82,7 @@ SLOW = ("black-anandan", "robust-affine")
 
 @pytest.mark.parametrize("method", sorted(BUILT_IN))
 def test_built_in_methods_check_unless_told_otherwise(method):
-    assert resolve_options(method, {})["forward_backward"] == (2.5 if method in SLOW else True)
+    assert resolve_options(method, {})["forward_backward"] == (2.0 if method in SLOW else True)
     assert resolve_options(method, {"forward_backward": False})["forward_backward"] is False
     assert resolve_options(method, {"forward_backward": 0.25})["forward_backward"] == 0.25
 
