@@ -143,7 +143,8 @@ class ParticleField:
 
         `point` (int32) lists which of the points `x`, `z` (m) are meant; only at the places of this list that
         `chosen` (int32) names the result means something. The strain is the equivalent shear strain
-        sqrt(2 e:e), e the deviator of the symmetric displacement gradient. Without a particle near they are -1 and 0.
+        sqrt(2 e:e), e the deviator of the symmetric displacement gradient. Without a particle near they are
+        -1 and 0.
         """
         import numpy as np
 
