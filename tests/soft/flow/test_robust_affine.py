@@ -151,7 +151,8 @@ def test_uncertainty_is_large_where_motion_breaks_off():
     first, second, _ = broken_pair(4.0)
     field = estimate_flow(first, second, method="robust-affine")
     near, far = field.uncertainty[SHAPE[0] // 2 - 3, 15:-15, 0], field.uncertainty[30, 15:-15, 0]
-    assert np.median(near) > 5 * np.median(far)
+    assert np.isfinite(near).mean() > 0.98  # the way back may go astray right at the break
+    assert np.nanmedian(near) > 5 * np.median(far)
 
 
 def test_uncertainty_covers_its_share_of_errors():
