@@ -210,7 +210,7 @@ def step_in_window(
         for c in range(ti.max(0, column - reach), ti.min(across, column + reach + 1)):
             if belongs(motion, known, member, tolerance, radius, row, column, r, c):
                 u, v = moved(model, ti.cast(c - column, ti.f32), ti.cast(r - row, ti.f32))
-                found = equation(first, gain, sample(coefficients, c + u, r + v), u, v, r, c)
+                found = equation(first, gain, sample(coefficients, c + u, r + v), u, v, 1.0, r, c)
                 z = ti.select(reweigh == 1, found[3], constraint[r, c, 4]) / (width * noise)
                 weight = inside(c + u, r + v, height, across) / (1 + z * z / 2)
                 x, y = (c - column) / radius, (r - row) / radius

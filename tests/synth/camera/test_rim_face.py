@@ -98,7 +98,10 @@ def test_truth_of_the_side_follows_the_rim(taichi, cases, scene, turn):
     view = View(WIDTH, HEIGHT, PIXEL, *cases.centre)
     face, following = (face_of(scene, recording, frame, view) for frame in (0, 1))
     shape = HEIGHT, WIDTH
-    arrays = {name: np.zeros(shape, np.float32) for name in ("u", "v", "rotation", "strain_rate")}
+    arrays = {
+        name: np.zeros(shape, np.float32)
+        for name in ("u", "v", "rotation", "strain_rate", "distance_to_implement")
+    }
     arrays["valid"] = np.zeros(shape, bool)
     arrays["implement"] = face.distance() == 0
     add_implement(arrays, face, following)
