@@ -1,6 +1,7 @@
 """From what covers the glass to grey levels, in the order of light: grains, lens, pixel, sensor."""
 
 import math
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import lru_cache
@@ -114,15 +115,18 @@ def _filter_rows(fine: "np.ndarray", weights: "np.ndarray", sampling: int, filte
     for row in range(count):
         matrix[row, row * sampling : row * sampling + len(weights)] = weights
 
-    def filter_from(rows: list[int]) -> None:
+    def filter_from(rows: Sequence[int]) -> None:
         for row in rows:
             begin = row * sampling
             np.matmul(matrix, fine[begin : begin + matrix.shape[1]], out=filtered[row : row + count])
 
-    starts, parts = [*range(0, len(filtered) - count, count), len(filtered) - count], thread_count()
+    starts, last, parts = range(0, len(filtered) - count, count), len(filtered) - count, thread_count()
     # More threads in a small product would wait more than they work.
-    with _linear_algebra().limit(limits=1, user_api="blas"), ThreadPoolExecutor(parts) as threads:
-        list(threads.map(filter_from, (starts[part::parts] for part in range(parts))))
+    with _linear_algebra().limit(limits=1, user_api="blas"):
+        with ThreadPoolExecutor(parts) as threads:
+            list(threads.map(filter_from, (starts[part::parts] for part in range(parts))))
+        # Not beside the others: it may share rows with the one before, and a product adds to what it zeroed.
+        filter_from([last])
 
 
 @lru_cache(maxsize=1)

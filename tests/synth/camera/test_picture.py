@@ -149,3 +149,17 @@ def test_vignetting_darkens_the_corners_by_its_share(cases, fields, photograph):
     ratio = dimmed / clear
     assert ratio[0, 0] == pytest.approx(0.7, abs=1e-5)
     assert ratio[47:49, 63:65] == pytest.approx(1.0, abs=1e-3)
+
+
+def test_rows_that_two_products_share_are_never_summed_twice(monkeypatch):
+    """12 rows are two products of 8: side by side, one could add to what the other has found."""
+    from synth.camera import picture
+
+    weights = picture._lens_and_pixel(0.7, 4)
+    fine = np.random.default_rng(0).random((4 * 11 + len(weights), 4000)).astype(np.float32)
+    exact = np.stack([weights @ fine[4 * row : 4 * row + len(weights)] for row in range(12)])
+    monkeypatch.setattr(picture, "thread_count", lambda: 2)
+    for _ in range(150):
+        filtered = np.empty((12, 4000), np.float32)
+        picture._filter_rows(fine, weights, 4, filtered)
+        np.testing.assert_allclose(filtered, exact, rtol=1e-5)
