@@ -46,11 +46,10 @@ def worst_place(picture: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset") ->
         error = np.where(flow["valid"].values.astype(bool), error, np.nan)
     mean = _mean_around(np.where(np.isfinite(error), np.minimum(error, 10.0), _UNMEASURED), soil)
     y, x = (int(k) for k in np.unravel_index(np.argmax(mean), mean.shape))
-    speed = np.hypot(truth["u"].values - strata.camera_u, truth["v"].values)
     shown = np.where(soil, error, np.nan)
     cut = {
         "worst_picture": _cut(picture.astype(np.float32), y, x, fill=0.0),
-        "worst_speed": _cut(np.where(soil, speed, np.nan).astype(np.float32), y, x, fill=np.nan),
+        "worst_speed": _cut(np.where(soil, strata.speed, np.nan).astype(np.float32), y, x, fill=np.nan),
         "worst_error": _cut(shown.astype(np.float32), y, x, fill=np.nan),
     }
     told = {

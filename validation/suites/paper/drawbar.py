@@ -35,7 +35,7 @@ def _tell(found: Found, variant: Variant) -> list[Told]:
 
 
 def read_maxima(path: Path) -> dict[str, float]:
-    """Largest drawbar pull / weight of every gait on every wheel, where the vehicle was pulled to a stand."""
+    """Largest drawbar pull / weight of every gait on every wheel, where travel reduction reached 90 %."""
     document: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
     return {
         f"{curve['gait']}_{curve['wheel']}": float(curve["maximum"])
