@@ -108,6 +108,15 @@ class ToolContacts:
             np.full(grain_count, -1, np.int32), np.zeros(1, np.int32), nothing, nothing.astype(np.int64)
         )
 
+    @classmethod
+    def of(cls, grain: np.ndarray, part: np.ndarray, *, grain_count: int, part_count: int) -> "ToolContacts":
+        """List pairs of a grain and a part, each of shape (K,), that come by grain and then by part."""
+        near, count = np.unique(grain, return_counts=True)
+        near_tool = np.full(grain_count, -1, np.int32)
+        near_tool[near] = np.arange(near.size)
+        first = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
+        return cls(near_tool, first, part.astype(np.int32), grain.astype(np.int64) * part_count + part)
+
 
 def list_tool_contacts(grains: Grains, position: np.ndarray, tool: Tool, skin: float) -> ToolContacts:
     """List the grains whose surfaces are nearer than `skin` (m) to parts of the implement.
@@ -122,10 +131,4 @@ def list_tool_contacts(grains: Grains, position: np.ndarray, tool: Tool, skin: f
     around = np.flatnonzero(np.hypot(*offset.T) < section.reach + grains.radius + skin)
     gap = section.distance_to_capsules(offset[around]) - grains.radius[around, None]
     place, part = np.nonzero(gap < skin)
-    grain = around[place]
-    near, count = np.unique(grain, return_counts=True)
-    near_tool = np.full(grains.count, -1, np.int32)
-    near_tool[near] = np.arange(near.size)
-    first = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
-    keys = grain.astype(np.int64) * tool.shape.radius.size + part
-    return ToolContacts(near_tool, first, part.astype(np.int32), keys)
+    return ToolContacts.of(around[place], part, grain_count=grains.count, part_count=tool.shape.radius.size)

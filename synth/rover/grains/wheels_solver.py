@@ -126,10 +126,4 @@ def wheel_contacts(
     offset = position.T[:, None, :] - axles
     gap = np.hypot(offset[..., 0], offset[..., 1]) - grain_radius[:, None] - np.asarray(radius)
     grain, wheel = np.nonzero(gap < skin)
-    near, count = np.unique(grain, return_counts=True)
-    near_tool = np.full(grain_radius.size, -1, np.int32)
-    near_tool[near] = np.arange(near.size)
-    first = np.concatenate([[0], np.cumsum(count)]).astype(np.int32)
-    return ToolContacts(
-        near_tool, first, wheel.astype(np.int32), grain.astype(np.int64) * len(radius) + wheel
-    )
+    return ToolContacts.of(grain, wheel, grain_count=grain_radius.size, part_count=len(radius))
