@@ -1,8 +1,8 @@
-"""Grids of vectors in MATLAB's `.mat` files: PIVlab's sessions and exports, and arrays x, y, u, v.
+"""Vectors in MATLAB's `.mat` files: of PIVlab, of GeoPIV-RG (see `trajectories`), and arrays x, y, u, v.
 
 PIVlab keeps one array a picture pair in cells: `x`, `y`, `u_filtered` and `v_filtered` or, where that is
 empty, `u_original` and `v_original`, each with a `typevector_...` (1 = measured, 0 = masked, 2 =
-interpolated). Files of version 7.3 are HDF5 and are refused: `save(..., "-v7")` writes others.
+interpolated).
 """
 
 from pathlib import Path
@@ -12,16 +12,20 @@ import numpy as np
 
 from soft.flow.field import FlowError
 from soft.flow.grid import Grid
+from soft.flow.mat_file import read_mat
+from soft.flow.trajectories import count_steps, holds_trajectories, read_step
 
 _SUFFIXES = ("_filtered", "_original", "")
-_HDF5 = b"\x89HDF\r\n\x1a\n"
 _SCALES = ("calxy", "calu", "calv", "caluv")
 """PIVlab's factors from px to m and from px/frame to m/s: 1 (or, for an axis turned round, -1) in px."""
 
 
 def count_grids(path: Path) -> int:
     """How many picture pairs a file tells of."""
-    return len(_as_cells(_load(path), "x", path))
+    content = read_mat(path)
+    if holds_trajectories(content):
+        return count_steps(content, path)
+    return len(_as_cells(content, "x", path))
 
 
 def read_mat_grid(path: Path, index: int) -> Grid:
@@ -32,11 +36,13 @@ def read_mat_grid(path: Path, index: int) -> Grid:
     FlowError
         If it is no such file, lacks a variable, tells of fewer pairs, or is not in px.
     """
-    content = _load(path)
+    content = read_mat(path)
+    if holds_trajectories(content):
+        return read_step(content, index, path)
     _require_pixels(content, path)
     suffix = next((s for s in _SUFFIXES if _size(content, f"u{s}", index)), None)
     if suffix is None:
-        held = ", ".join(sorted(name for name in content if not name.startswith("__"))) or "nothing"
+        held = ", ".join(sorted(content)) or "nothing"
         raise FlowError(f"{path}: no vectors of pair {index} in u_filtered, u_original or u: holds {held}")
     names = ["x", "y", f"u{suffix}", f"v{suffix}"]
     x, y, u, v = (_array(content, name, index, path) for name in names)
@@ -51,21 +57,6 @@ def read_mat_grid(path: Path, index: int) -> Grid:
         if measured.shape != u.shape:
             raise FlowError(f"{path}: typevector{suffix}: shape {measured.shape}: {names[2]} has {u.shape}")
     return Grid(x.ravel(), y.ravel(), u.ravel(), v.ravel(), measured.ravel())
-
-
-def _load(path: Path) -> dict[str, Any]:
-    from scipy.io import loadmat
-
-    try:
-        with path.open("rb") as file:
-            start = file.read(1024)
-        if start.startswith(_HDF5) or b"MATLAB 7.3" in start[:128]:
-            raise FlowError(f'{path}: a .mat file of version 7.3: save it as an older one, save(..., "-v7")')
-        return loadmat(path)
-    except FlowError:
-        raise
-    except Exception as error:  # scipy raises whatever the damage leads to
-        raise FlowError(f"{path}: not a readable .mat file: {error}") from error
 
 
 def _as_cells(content: dict[str, Any], name: str, path: Path) -> list[np.ndarray]:

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 
 from soft.flow import FlowError, FlowFiles, estimate_flow
 from soft.flow.grid import Grid, GridConventions, to_field
@@ -264,20 +264,92 @@ class TestMat:
         with pytest.raises(FlowError, match="no variable x"):
             read(tmp_path)
 
-    def test_version_73_and_damage_are_refused(self, tmp_path):
-        import h5py
+    def test_version_73_is_read_alike(self, tmp_path):
+        self.session(tmp_path / "old.mat")
+        old = loadmat(tmp_path / "old.mat", appendmat=False)
+        (tmp_path / "old.mat").unlink()
+        write_73(tmp_path / "session.mat", {name: v for name, v in old.items() if not name.startswith("__")})
+        picture = np.full(SHAPE, 9.0)
+        for pair, measured in ((0, nodes()[..., 0].size - 2), (1, nodes()[..., 0].size)):
+            assert_right(estimate_flow(picture, picture, method=f"files:{tmp_path}", pair=pair), measured)
 
+    def test_damage_is_refused(self, tmp_path):
         path = tmp_path / "a.mat"
-        with h5py.File(path, "w", userblock_size=512) as file:
-            file["x"] = np.ones(3)
+        write_73(path, {"x": np.ones(3)})
         content = path.read_bytes()
-        path.write_bytes(b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(512, b" ") + content[512:])
-        with pytest.raises(FlowError, match=r'version 7\.3: save it as an older one, save\(\.\.\., "-v7"\)'):
-            read(tmp_path)
-        for damaged in (content[512:], b"nonsense" * 99, b""):
+        for damaged in (content[:900], b"nonsense" * 99, b""):
             path.write_bytes(damaged)
-            with pytest.raises(FlowError, match=r"a\.mat: "):
+            with pytest.raises(FlowError, match=r"a\.mat: not a readable"):
                 read(tmp_path)
+
+
+def write_73(path, content):
+    """A file as MATLAB writes its version 7.3: text, then HDF5, axes in reverse and cells by reference."""
+    import h5py
+
+    with h5py.File(path, "w", userblock_size=512) as file:
+        for name, value in content.items():
+            if value.dtype != object:
+                file[name] = value.T
+                continue
+            references = np.empty(value.T.shape, h5py.ref_dtype)
+            for place, cell in np.ndenumerate(value.T):
+                kept = f"#refs#/{name}{place[1]}"
+                file[kept] = cell.T if cell.size else np.array(cell.shape, np.uint64)
+                if not cell.size:
+                    file[kept].attrs["MATLAB_empty"] = np.uint8(1)
+                references[place] = file[kept].ref
+            file.create_dataset(name, data=references, dtype=h5py.ref_dtype)
+    with path.open("r+b") as file:
+        file.write(b"MATLAB 7.3 MAT-file, Platform: GLNXA64, HDF5 schema 1.00 .".ljust(512, b" "))
+
+
+class TestGeoPiv:
+    """Subsets followed over three pictures, pixels counted from 1."""
+
+    def tracks(self, path, writer=savemat, *, steps=2, **changed):
+        places = [nodes().reshape(-1, 2)]
+        for _ in range(steps):
+            places.append(places[-1] + forward(places[-1]))
+        data = np.ones((len(places[0]), 2 + steps, 3))
+        data[:, 0] = np.arange(1, 1 + len(data))[:, None]
+        data[:, 1:, :2] = np.stack(places, axis=1) + 1
+        data[3, 2, :2] = np.nan  # lost in the second picture
+        writer(path, {"data": data} | changed)
+        return len(data)
+
+    @pytest.mark.parametrize("version", ["7", "7.3"])
+    def test_pairs_of_places(self, tmp_path, version):
+        count = self.tracks(tmp_path / "M2_data.mat", savemat if version == "7" else write_73)
+        assert len(FlowFiles(tmp_path)) == 2
+        picture = np.full(SHAPE, 9.0)
+        first, second = (
+            estimate_flow(picture, picture, method=f"files:{tmp_path}", pair=pair) for pair in (0, 1)
+        )
+        assert_right(first, count - 1)
+        assert (
+            first.nodes[20, 68] == pytest.approx([68, 20]) and not first.valid[20, 68]
+        )  # lost, but was there
+        assert_right(second, count - 1)
+        with pytest.raises(FlowError, match=r"1 \.mat files with 2 pairs: none for pair 2"):
+            estimate_flow(picture, picture, method=f"files:{tmp_path}", pair=2)
+
+    @pytest.mark.parametrize(
+        ("data", "message"),
+        [
+            (
+                np.ones((5, 3)),
+                r"data: float64 of shape \(5, 3\): must be numbers, subsets x",
+            ),
+            (np.ones((5, 2, 3)), "of two pictures at least"),
+            (np.ones((5, 3, 3)), "first column: must be the subsets' numbers, each once"),
+            (np.random.default_rng(0).uniform(0, 9, (5, 3, 3)), "first column"),
+        ],
+    )
+    def test_wrong_content(self, tmp_path, data, message):
+        savemat(tmp_path / "a.mat", {"data": data})
+        with pytest.raises(FlowError, match=message):
+            read(tmp_path)
 
 
 class TestFolder:
