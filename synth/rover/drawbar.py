@@ -1,7 +1,10 @@
 """The drawbar pull test: a vehicle drives along fresh soil while a cable holds it back, harder and harder."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
 
 from synth.rover.balance import Balance, PhaseMean, means_over
 from synth.rover.gaits import Inching, Rolling
@@ -131,26 +134,39 @@ class DrawbarTest:
         self._settle()
         self._started = self.ride.time
 
-    def points(self, steps: LoadSteps) -> Iterator[DrawbarPoint]:
+    def points(self, steps: LoadSteps, *, done: Sequence[DrawbarPoint] = ()) -> Iterator[DrawbarPoint]:
         """Measure load after load, the first without any, as `steps` has them.
 
         None follows a travel reduction of 1 or more.
+
+        Parameters
+        ----------
+        done : sequence of DrawbarPoint
+            Measured already, by a test whose state was restored.
         """
-        weight = self.ride.vehicle.weight
-        self._measure()  # the first way leads over undisturbed soil for all wheels
-        free = self._measure()
-        done = [
-            DrawbarPoint(
-                0.0, free.velocity, float(travel_reduction(free.velocity, free.velocity)), free.phases
-            )
-        ]
-        yield done[0]
-        while done[-1].travel_reduction < 1 and (load := steps.following(done)) is not None:
-            self._tension(load * weight)
-            found = self._measure()
-            reduction = float(travel_reduction(found.velocity, free.velocity))
-            done.append(DrawbarPoint(load, found.velocity, reduction, found.phases))
-            yield done[-1]
+        points = list(done)
+        if not points:
+            self._measure()  # the first way leads over undisturbed soil for all wheels
+            free = self._measure()
+            points.append(self._point(0.0, free, free.velocity))
+            yield points[0]
+        while points[-1].travel_reduction < 1 and (load := steps.following(points)) is not None:
+            self._tension(load * self.ride.vehicle.weight)
+            points.append(self._point(load, self._measure(), points[0].velocity))
+            yield points[-1]
+
+    def state(self) -> dict[str, NDArray]:
+        """What the ride and the gait's clock are at, between two points; see `Ride.state`."""
+        return self.ride.state() | {"started": np.array(self._started)}
+
+    def restore(self, state: Mapping[str, NDArray]) -> None:
+        """Go on from what `state` gave of the same vehicle, law and gait."""
+        self.ride.restore(state)
+        self._started = float(state["started"])
+
+    @staticmethod
+    def _point(load: float, found: _Measured, free: float) -> DrawbarPoint:
+        return DrawbarPoint(load, found.velocity, float(travel_reduction(found.velocity, free)), found.phases)
 
     def _measure(self) -> _Measured:
         return self._measure_cycles() if self.gait.cycle else self._measure_way()

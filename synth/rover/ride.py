@@ -1,17 +1,19 @@
 """A vehicle rides on soil: MuJoCo and a wheel-soil law in step."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 
 import numpy as np
 from numpy.typing import NDArray
 
-from synth.rover.law.interface import WheelForces, WheelSoilLaw, WheelStates
+from synth.rover.law.interface import Continuable, WheelForces, WheelSoilLaw, WheelStates
 from synth.rover.vehicle import Vehicle
 
 SIDE_FRICTION = 0.5
 """Sideways force over normal force of a wheel that slides sideways, which laws know nothing of; assumed."""
 _SIDE_CREEP = 0.01
 """m/s; sideways velocity at which it is mobilised."""
+_LAW = "law_"
+"""Begins the names of the law's part of a state."""
 Command = Callable[[float], NDArray]
 """The actuators' targets at a time (s), shape (actuator_count,)."""
 
@@ -98,6 +100,37 @@ class Ride:
         self.data.ctrl[:] = command
         mujoco.mj_step2(self.model, self.data)
         return self.forces
+
+    def state(self) -> dict[str, NDArray]:
+        """All that vehicle and soil remember, as arrays by name; `restore` goes on from it to the bit.
+
+        Raises
+        ------
+        TypeError
+            The law cannot be left: grains.
+        """
+        import mujoco
+
+        if not isinstance(self.law, Continuable):
+            raise TypeError(f"{type(self.law).__name__}: has no state to go on from")
+        vehicle = np.empty(mujoco.mj_stateSize(self.model, mujoco.mjtState.mjSTATE_INTEGRATION))
+        mujoco.mj_getState(self.model, self.data, vehicle, mujoco.mjtState.mjSTATE_INTEGRATION)
+        law = {f"{_LAW}{name}": value for name, value in self.law.state().items()}
+        return {"vehicle": vehicle, "angle": self._angle.copy(), "pull": np.array(self.pull)} | law
+
+    def restore(self, state: Mapping[str, NDArray]) -> None:
+        """Go on from what `state` gave of the same vehicle on a law of the same soil."""
+        import mujoco
+
+        assert isinstance(self.law, Continuable)
+        mujoco.mj_setState(self.model, self.data, state["vehicle"], mujoco.mjtState.mjSTATE_INTEGRATION)
+        mujoco.mj_fwdPosition(self.model, self.data)
+        mujoco.mj_fwdVelocity(self.model, self.data)
+        self.pull = float(state["pull"])
+        self.law.restore({k[len(_LAW) :]: v for k, v in state.items() if k.startswith(_LAW)})
+        self._angle = state["angle"].copy()
+        self.states = self.wheel_states()
+        self._angle = state["angle"].copy()
 
     def wheel_states(self) -> WheelStates:
         """Where the wheels are and how they move, in the order of the vehicle's wheels."""

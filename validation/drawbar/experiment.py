@@ -12,6 +12,7 @@ from queue import Empty
 from typing import TYPE_CHECKING, Any
 
 from validation.drawbar.curve import GRAINS, Curve, CurveOrder
+from validation.drawbar.interrupted import Begun, find_begun, keep_begun
 from validation.drawbar.variation import find_variation
 from validation.processes import end_with_parent, worker_processes
 from validation.run_folder import RunFolder
@@ -42,6 +43,8 @@ def carry_out(
 ) -> list[Curve]:
     """Measure what is missing of some curves: `OUT/curves/NAME.json`.
 
+    A curve that was interrupted is gone on with after its last load (grains: begun anew).
+
     Parameters
     ----------
     orders : sequence of CurveOrder
@@ -71,14 +74,15 @@ def carry_out(
         folder.mkdir(exist_ok=True)
         missing = [order for order in orders if overwrite or _found(folder, order) is None]
         if missing:
+            _tell_begun(missing, folder, overwrite, terminal)
             count = min(processes or os.cpu_count() or 1, len(missing))
             with terminal.progress(f"drawbar, {count} processes") as progress:
                 _in_parallel(_longest_first(missing), folder, count, progress)
         return [curve for order in orders if (curve := _found(folder, order)) is not None]
 
 
-def measure(order: CurveOrder) -> Iterator[Curve]:
-    """Measure a curve; given after each point, as far as it is."""
+def measure(order: CurveOrder, begun: Begun | None = None) -> Iterator[Begun]:
+    """Measure a curve, or go on with one; given after each point, as far as it is."""
     from synth.rover.drawbar import CYCLES, DrawbarTest
     from synth.rover.gaits import make_gait
     from synth.rover.vehicle import load_vehicle
@@ -92,10 +96,13 @@ def measure(order: CurveOrder) -> Iterator[Curve]:
         gait = make_gait(order.gait, vehicle, speed=order.speed)
     cycles = 1 if order.law == GRAINS else CYCLES  # a bin has an end
     test = DrawbarTest(vehicle, law_of(order), gait, time_step=order.time_step, cycles=cycles)
-    points = []
-    for point in test.points(order.steps):
+    points = [] if begun is None else list(begun.curve.points)
+    if begun is not None:
+        test.restore(begun.state)
+    for point in test.points(order.steps, done=tuple(points)):
         points.append(point)
-        yield Curve(order, vehicle.weight, tuple(points))
+        state = {} if order.law == GRAINS else test.state()
+        yield Begun(Curve(order, vehicle.weight, tuple(points)), state)
 
 
 def _require(order: CurveOrder) -> None:
@@ -178,13 +185,36 @@ def _watch(futures: Sequence[Future[None]], told: Any, progress: Callable[[int, 
 
 def _carry_out_one(order: CurveOrder, folder: Path, told: Any) -> None:
     os.environ.setdefault("OMP_NUM_THREADS", "1")
-    for so_far in measure(order):
-        curve = so_far
+    by, path = made_by(order), _begun_path(folder, order)
+    so_far, _ = find_begun(path, order, by)
+    for begun in measure(order, so_far):
+        so_far = begun
+        if so_far.state:
+            keep_begun(path, so_far, by)
         told.put(1)
-    document = curve.to_dict() | {"made_by": made_by(order)}
+    assert so_far is not None
+    document = so_far.curve.to_dict() | {"made_by": by}
     part = folder / f".partial-{order.name}.json"
     part.write_text(json.dumps(document, indent=1), encoding="utf-8")
     part.replace(folder / f"{order.name}.json")
+    path.unlink(missing_ok=True)
+
+
+def _begun_path(folder: Path, order: CurveOrder) -> Path:
+    return folder / f".begun-{order.name}.npz"
+
+
+def _tell_begun(orders: Sequence[CurveOrder], folder: Path, overwrite: bool, terminal: Terminal) -> None:
+    """Say which curves are gone on with and which are not, and why; with `overwrite`, none is."""
+    for order in orders:
+        path = _begun_path(folder, order)
+        if overwrite:
+            path.unlink(missing_ok=True)
+        begun, unfit = find_begun(path, order, made_by(order))
+        if begun is not None:
+            terminal.say(f"{order.name}: goes on, {len(begun.curve.points)} of its points measured")
+        elif unfit:
+            terminal.say(unfit)
 
 
 def _found(folder: Path, order: CurveOrder) -> Curve | None:

@@ -1,6 +1,6 @@
 """The surface of the soil along the tracks, as wheels leave it: ruts, and where wheels have been."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -60,6 +60,21 @@ class Tracks:
             first, last = sorted((int(self._column[wheel]), int(column[wheel])))
             self._lower(int(self._track[wheel]), first, last, float(lowest[wheel]))
         self._column = column
+
+    def state(self) -> dict[str, NDArray]:
+        """All that is remembered, for `restore`."""
+        return {
+            "first": np.array(self._first),
+            "height": self._height.copy(),
+            "passes": self._passes.copy(),
+            "column": np.zeros(0, np.int64) if self._column is None else self._column.copy(),
+        }
+
+    def restore(self, state: Mapping[str, NDArray]) -> None:
+        """Take up what `state` gave."""
+        self._first = int(state["first"])
+        self._height, self._passes = state["height"].copy(), state["passes"].copy()
+        self._column = state["column"].copy() if state["column"].size else None
 
     def profile(self, track: int) -> NDArray:
         """Surface along a track, shape (n, 2): x and z, m."""

@@ -5,9 +5,9 @@ wheel turns in a plane y = constant. All wheels go through one call, so that a l
 once.
 """
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, runtime_checkable
 
 from numpy.typing import NDArray
 
@@ -49,6 +49,19 @@ class WheelForces:
     force_x: NDArray
     force_z: NDArray
     torque: NDArray
+
+
+@runtime_checkable
+class Continuable(Protocol):
+    """What can be left and gone on with from its state."""
+
+    def state(self) -> dict[str, NDArray]:
+        """All that is remembered, as arrays by name."""
+        ...
+
+    def restore(self, state: Mapping[str, NDArray]) -> None:
+        """Go on from what `state` gave."""
+        ...
 
 
 class WheelSoilLaw(Protocol):

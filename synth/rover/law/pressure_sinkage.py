@@ -61,6 +61,8 @@ class BekkerSoil:
 class BekkerLaw(RimLaw[BekkerSoil]):
     """Pressure normal to the rim, shear along it."""
 
+    _remembered = (*RimLaw._remembered, "_mobilized")
+
     def reset(self) -> None:
         """Forget ruts, pressure and how far the soil was sheared."""
         super().reset()

@@ -82,6 +82,8 @@ class Flow:
 class ResistiveForceLaw(RimLaw[ResistiveSoil]):
     """Resistive force theory as the yield surface of elastic elements."""
 
+    _remembered = (*RimLaw._remembered, "_into", "_along")
+
     def reset(self) -> None:
         """Forget ruts, tractions and which way the soil flowed."""
         super().reset()

@@ -56,6 +56,15 @@ class Rims:
         self._first = (np.arange(element_count) + 0.5) * self.pitch - _HALF_WINDOW
         self._turns: NDArray | None = None
 
+    @property
+    def turns(self) -> NDArray:
+        """Whole elements that the rims had turned by at the last call, (wheel_count,); empty before it."""
+        return np.zeros(0) if self._turns is None else self._turns
+
+    @turns.setter
+    def turns(self, turns: NDArray) -> None:
+        self._turns = turns.copy() if turns.size else None
+
     def at(self, angle: NDArray) -> RimElements:
         """Elements where the rims have turned by `angle` (wheel_count,), rad, as their tops move ahead."""
         turned = -angle / self.pitch  # at the bottom, what turns with spin > 0 goes backwards

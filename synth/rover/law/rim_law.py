@@ -1,8 +1,8 @@
 """What laws that work on elements of a rim share: the ground, the rim as it is, and the sum over elements."""
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
-from typing import Generic, Protocol, TypeVar
+from collections.abc import Mapping, Sequence
+from typing import ClassVar, Generic, Protocol, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
@@ -59,6 +59,9 @@ class RimLaw(ABC, Generic[Soil]):
         Of the soil on the elements, Pa: against the outward normal, and along the tangent.
     """
 
+    _remembered: ClassVar[tuple[str, ...]] = ("pressure", "shear", "_deflection", "_deflecting")
+    """Arrays over the elements, of a law's own, that `state` gives."""
+
     def __init__(
         self, soil: Soil, *, rim_stiffness: float | None = None, element_count: int = ELEMENTS
     ) -> None:
@@ -92,6 +95,20 @@ class RimLaw(ABC, Generic[Soil]):
     def rut(self, track: str) -> NDArray:
         """Surface along a track, shape (n, 2): x and z, m."""
         return self._tracks.profile(self._track_names.index(track))
+
+    def state(self) -> dict[str, NDArray]:
+        """All that soil and rims remember, as arrays by name; `restore` goes on from it."""
+        tracks = {f"tracks_{name}": value for name, value in self._tracks.state().items()}
+        kept = {name: getattr(self, name).copy() for name in self._remembered}
+        return {"turns": self._rims.turns.copy()} | tracks | kept
+
+    def restore(self, state: Mapping[str, NDArray]) -> None:
+        """Go on from what `state` gave, with the wheels that were placed then."""
+        self._rims.turns = state["turns"]
+        prefix = "tracks_"
+        self._tracks.restore({k[len(prefix) :]: v for k, v in state.items() if k.startswith(prefix)})
+        for name in self._remembered:
+            setattr(self, name, state[name].copy())
 
     def advance(self, states: WheelStates, time_step: float) -> WheelForces:
         """Forces at `states`, `time_step` (s) after the last call."""

@@ -8,6 +8,7 @@ from synth.rover.drawbar import STUCK, DrawbarPoint, DrawbarTest, LoadSteps
 from synth.rover.gaits import Inching, Rolling
 from synth.rover.law.catalogue import make_law
 from synth.rover.travel_reduction import pull_at, travel_reduction, velocities
+from synth.rover.vehicle import load_vehicle
 from tests.synth.rover.slipping import SlippingLaw
 
 GRIP, SPEED, COARSE = 8e3, 0.2, 0.002
@@ -87,6 +88,32 @@ def test_points_survive_json(scarab):
     test = DrawbarTest(scarab, SlippingLaw(GRIP), Rolling(scarab, speed=0.5), time_step=COARSE)
     (point,) = itertools.islice(test.points(LoadSteps()), 1)
     assert DrawbarPoint.from_dict(point.to_dict()) == point
+
+
+@pytest.mark.parametrize(
+    ("gait", "law", "wheel"),
+    [(Inching, "rft", "pneumatic"), (Rolling, "rft", "rigid"), (Rolling, "scm", "rigid")],
+)
+def test_a_test_that_was_left_goes_on_to_the_bit(gait, law, wheel):
+    def begin():
+        vehicle = load_vehicle("scarab")
+        own = make_law(law, wheel=wheel)
+        return DrawbarTest(vehicle, own, gait(vehicle, speed=1.0), time_step=COARSE, cycles=1)
+
+    steps = LoadSteps(loads=(0.04,))
+    straight, left = begin(), begin()
+    points = list(straight.points(steps))
+    done = list(itertools.islice(left.points(steps), 1))
+    taken_up = begin()
+    taken_up.restore(left.state())
+    assert done + list(taken_up.points(steps, done=done)) == points
+    assert list(taken_up.points(steps, done=points)) == []
+
+
+def test_a_law_without_a_state_cannot_be_left(scarab):
+    test = DrawbarTest(scarab, SlippingLaw(GRIP), Rolling(scarab, speed=SPEED), time_step=COARSE)
+    with pytest.raises(TypeError, match="SlippingLaw: has no state"):
+        test.state()
 
 
 @pytest.mark.slow

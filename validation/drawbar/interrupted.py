@@ -1,0 +1,57 @@
+"""A curve that is not finished: its points, and where vehicle and soil are, so that it can go on."""
+
+import json
+import os
+from dataclasses import dataclass
+from pathlib import Path
+from zipfile import BadZipFile
+
+import numpy as np
+from numpy.typing import NDArray
+
+from validation.drawbar.curve import Curve, CurveOrder
+
+_TOLD = "told"
+
+
+@dataclass(frozen=True)
+class Begun:
+    """Of a curve, what was measured until it was left.
+
+    Attributes
+    ----------
+    curve : Curve
+    state : dict of ndarray
+        See `synth.rover.drawbar.DrawbarTest.state`.
+    """
+
+    curve: Curve
+    state: dict[str, NDArray]
+
+
+def keep_begun(path: Path, begun: Begun, made_by: dict[str, str]) -> None:
+    """Write it, a former one replaced at once."""
+    told = json.dumps(begun.curve.to_dict() | {"made_by": made_by})
+    part = path.with_name(f"{path.name}.part")
+    with part.open("wb") as file:
+        np.savez(file, **{_TOLD: np.array(told)}, **begun.state)  # type: ignore[arg-type]
+        file.flush()
+        os.fsync(file.fileno())
+    part.replace(path)
+
+
+def find_begun(path: Path, order: CurveOrder, made_by: dict[str, str]) -> tuple[Begun | None, str]:
+    """What was begun of the same by the same, or None and why not: empty where there is nothing."""
+    if not path.is_file():
+        return None, ""
+    try:
+        with np.load(path) as file:
+            arrays = dict(file)
+        told = json.loads(str(arrays.pop(_TOLD)))
+        same_makers = told.pop("made_by") == made_by
+        curve = Curve.from_dict(told)
+    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
+        return None, f"{path.name}: cannot be read ({error}), begun anew"
+    if not same_makers or curve.order != order:
+        return None, f"{path.name}: of another version, soil or order, begun anew"
+    return Begun(curve, arrays), ""
