@@ -8,10 +8,11 @@ from pathlib import Path
 from typing import Any
 
 from synth.devices import cache_folder
+from synth.locks import sole_maker
 
 
 def cached(kind: str, made_from: Mapping[str, Any], compute: Callable[[], Any]) -> Any:
-    """A JSON value from the cache, or computed now and kept.
+    """A JSON value from the cache, or computed now and kept: once, by whichever process comes first.
 
     Parameters
     ----------
@@ -23,13 +24,23 @@ def cached(kind: str, made_from: Mapping[str, Any], compute: Callable[[], Any]) 
         Gives the value; JSON.
     """
     path = _path(kind, made_from)
+    if (kept := _read(path)) is not None:
+        return kept["value"]
+    with sole_maker(path):
+        if (kept := _read(path)) is not None:  # another process has made it meanwhile
+            return kept["value"]
+        value = compute()
+        _write(path, {"made_from": dict(made_from), "value": value})
+        return value
+
+
+def _read(path: Path) -> dict[str, Any] | None:
+    """A document; None where it is not there, or damaged."""
     try:
-        return json.loads(path.read_text(encoding="utf-8"))["value"]
-    except (OSError, ValueError, KeyError, TypeError):
-        pass  # not there, or damaged: made anew
-    value = compute()
-    _write(path, {"made_from": dict(made_from), "value": value})
-    return value
+        document = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return None
+    return document if isinstance(document, dict) and "value" in document else None
 
 
 def _path(kind: str, made_from: Mapping[str, Any]) -> Path:

@@ -1,12 +1,12 @@
 """The folder of a data set: the names in it, and how what is made in it comes to be whole."""
 
-import fcntl
-import os
 import shutil
 from collections.abc import Iterator, Set
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
+
+from synth.locks import locked
 
 SWEEP_FILE = "sweep.toml"
 BASE_FILE = "base.toml"
@@ -60,7 +60,7 @@ class DataSetFolder:
             Another process does already, or the folder holds something else.
         """
         self._refuse_foreign()
-        with _locked(self.path / _WORK / _LOCK, wait=False) as handle:
+        with locked(self.path / _WORK / _LOCK, wait=False) as handle:
             if handle is None:
                 raise DataSetError(f"{self.path}: another softbed works on it: wait for it to end")
             yield
@@ -72,14 +72,14 @@ class DataSetFolder:
         It may hold what one that was killed has left.
         """
         place = self.path / _WORK / name
-        with _locked(place / _LOCK, wait=True):
+        with locked(place / _LOCK, wait=True):
             yield place
 
     def clear_work(self, *, keep: Set[str] = frozenset()) -> None:
         """Remove what killed processes left half-made; `keep` names work whose checkpoints stay."""
         for place in sorted((self.path / _WORK).iterdir()):
             if place.is_dir():
-                with _locked(place / _LOCK, wait=False) as handle:
+                with locked(place / _LOCK, wait=False) as handle:
                     if handle is not None:
                         _clear(place, checkpoint=place.name not in keep)
 
@@ -118,36 +118,3 @@ def _clear(place: Path, *, checkpoint: bool) -> None:
             shutil.rmtree(entry) if entry.is_dir() else entry.unlink()
     if not (place / CHECKPOINT).exists():
         shutil.rmtree(place)
-
-
-@contextmanager
-def _locked(path: Path, *, wait: bool) -> Iterator[int | None]:
-    """Hold a lock on a file that is made for it; None where another has it and waiting is not wanted.
-
-    A file rather than the folder: network file systems lock only what is open for writing. Who had the lock
-    may have removed the file, with its folder, before leaving: then a fresh one is needed.
-    """
-    while True:
-        path.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            handle = os.open(path, os.O_RDWR | os.O_CREAT, 0o644)
-        except FileNotFoundError:
-            continue
-        try:
-            fcntl.flock(handle, fcntl.LOCK_EX | (0 if wait else fcntl.LOCK_NB))
-            if not _is_at(path, handle):
-                continue
-            yield handle
-            return
-        except BlockingIOError:
-            yield None
-            return
-        finally:
-            os.close(handle)
-
-
-def _is_at(path: Path, handle: int) -> bool:
-    try:
-        return os.path.samestat(path.stat(), os.fstat(handle))
-    except FileNotFoundError:
-        return False

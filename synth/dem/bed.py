@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import zipfile
+import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -24,6 +25,7 @@ from synth.dem.packing import void_ratio
 from synth.dem.relative_density import SettlingRelation, settling_relation
 from synth.dem.settling import FIRST_SOLID_FRACTION, Bin
 from synth.devices import cache_folder
+from synth.locks import sole_maker
 from synth.scene import Bed as BedTable
 from synth.scene import SoilBinScene
 
@@ -79,14 +81,13 @@ def settled_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
     relation = _relation(scene, _part(progress, 0))
     friction = _settling_friction(scene, relation)
     path = cache_folder() / "beds" / f"{_bed_hash(scene, friction)}.npz"
-    if path.is_file():
-        try:
-            return _judged(*_read(path), relation)
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile):
-            path.unlink()  # damaged, by a full disk perhaps: made anew
-    bed = _judged(*_prepared(scene, friction, progress), relation)
-    _write(bed, path)
-    return bed
+    if (kept := _read(path)) is not None:
+        return _judged(*kept, relation)
+    with sole_maker(path):
+        if (kept := _read(path)) is None:
+            kept = _prepared(scene, friction, progress)
+            _write(*kept, path)
+    return _judged(*kept, relation)
 
 
 def prepare_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed:
@@ -179,22 +180,26 @@ def _bed_hash(scene: SoilBinScene, settling_friction: float) -> str:
     return hashlib.sha256(canonical.encode()).hexdigest()
 
 
-def _write(bed: Bed, path: Path) -> None:
+def _write(grains: Grains, solid_fraction: float, path: Path) -> None:
     """Written aside and renamed: a bed in the cache is whole."""
     path.parent.mkdir(parents=True, exist_ok=True)
     aside = path.with_name(f".{path.stem}-{os.getpid()}.npz")
     np.savez(
         aside,
-        position=bed.grains.position,
-        radius=bed.grains.radius,
-        density=bed.grains.density,
-        solid_fraction=bed.solid_fraction,
+        position=grains.position,
+        radius=grains.radius,
+        density=grains.density,
+        solid_fraction=solid_fraction,
     )
     aside.replace(path)
 
 
-def _read(path: Path) -> tuple[Grains, float]:
-    with np.load(path, allow_pickle=False) as stored:
-        position = stored["position"]
-        grains = grains_of(position).at_rest(position, stored["radius"], float(stored["density"]))
-        return grains, float(stored["solid_fraction"])
+def _read(path: Path) -> tuple[Grains, float] | None:
+    """Grains and solid fraction of a bed; None where it is not there, or damaged, by a full disk perhaps."""
+    try:
+        with np.load(path, allow_pickle=False) as stored:
+            position = stored["position"]
+            grains = grains_of(position).at_rest(position, stored["radius"], float(stored["density"]))
+            return grains, float(stored["solid_fraction"])
+    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+        return None
