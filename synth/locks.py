@@ -1,4 +1,4 @@
-"""Locks on files, so that what several processes want is made by one of them, be they on different machines."""
+"""Locks on files: what several processes want is made by one of them, be they on different machines."""
 
 import fcntl
 import os

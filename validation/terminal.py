@@ -8,6 +8,7 @@ from collections.abc import Callable, Iterator
 from typing import TYPE_CHECKING, Any
 
 from synth.devices import standard_output_to_error
+from synth.disk import system_complaint
 
 if TYPE_CHECKING:
     from rich.console import RenderableType
@@ -136,7 +137,5 @@ def duration(seconds: float) -> str:
 
 def error_line(error: BaseException) -> str:
     """What an error says, in one line; its type where it says nothing."""
-    text = str(error) or type(error).__name__
-    if isinstance(error, OSError) and error.strerror:
-        text = f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    text = system_complaint(error) or str(error) or type(error).__name__
     return " ".join(text.split())

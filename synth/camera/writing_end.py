@@ -8,7 +8,6 @@ import os
 import pickle
 import time
 import traceback
-from collections.abc import Iterator
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -19,6 +18,7 @@ import numpy as np
 from synth.camera.rooms import Room
 from synth.camera.sensor import expose
 from synth.camera.stages import StageClock
+from synth.disk import naming
 from synth.footage import frame_name, write_picture
 from synth.truth import PairTruth
 from synth.truth_file import TruthWriter
@@ -139,21 +139,11 @@ def _carry_out_one(order: Order, footing: Footing, room: Room, file: TruthWriter
         with clock.stage("exposing"):
             picture = expose(footing.scene, room.light, order.frame)
         path = footing.folder / frame_name(order.frame)
-        with clock.stage("writing"), _naming(path):
+        with clock.stage("writing"), naming(path):
             write_picture(path, picture)
     else:
         with clock.stage("writing"):
             file.write(order.first, PairTruth(order.first, order.second, room.truth, order.camera))
-
-
-@contextlib.contextmanager
-def _naming(path: Path) -> Iterator[None]:
-    """Name the file in what the system says, which does so only where a file cannot be opened."""
-    try:
-        yield
-    except OSError as error:
-        error.filename = error.filename or str(path)
-        raise
 
 
 def _that_travels(error: BaseException) -> BaseException:

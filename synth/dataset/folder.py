@@ -6,6 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
+from synth.disk import naming
 from synth.locks import locked
 
 SWEEP_FILE = "sweep.toml"
@@ -94,7 +95,8 @@ class DataSetFolder:
         aside = self.path / _WORK / f"{name}.new"
         aside.parent.mkdir(parents=True, exist_ok=True)
         try:
-            aside.write_bytes(content.encode() if isinstance(content, str) else content)
+            with naming(self.path / name):
+                aside.write_bytes(content.encode() if isinstance(content, str) else content)
             aside.replace(self.path / name)
         finally:
             aside.unlink(missing_ok=True)

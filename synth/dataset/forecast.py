@@ -5,7 +5,7 @@ import math
 from collections import Counter
 from dataclasses import asdict, dataclass
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from synth.analytic.settings import AnalyticCamera
 from synth.dataset.execution import Asked
@@ -15,13 +15,19 @@ from synth.dataset.summary import Facts, read_facts, read_manifest
 from synth.dataset.sweep import SPLITS
 from synth.scene import AnyScene, Bed, SoilBinScene
 
-GRAIN_STEPS = 22e6
-"""Of a core a second, of discs (docs/paper.md)."""
-BED_SECONDS = 7e-3
-"""Of a core for each grain of a bed (docs/simulator.md)."""
-SEQUENCE_SECONDS, PIXEL_SECONDS, SAMPLE_SECONDS = 0.7, 9.3e-7, 1.0e-8
+if TYPE_CHECKING:
+    from synth.dem.contact_law import Law
+
+STEP_SECONDS, DISC_SECONDS, SPHERE_SECONDS = 4.1e-5, 4.0e-8, 1.7e-7
+"""Of a core: for a time step, and for each grain in it."""
+FALL, REST = 0.53, 0.05
+"""Simulated time in which a bed settles: falling and coming to rest in soft contacts, s / sqrt(m of depth);
+and coming to rest in the scene's own, s."""
+SEQUENCE_SECONDS, PIXEL_SECONDS, SAMPLE_SECONDS = 1.4, 9.3e-7, 1.0e-8
 """Of a core: for a sequence's texture, for each pixel of a picture with its truth, written and read back, and
 for each of its samples."""
+START_SECONDS = 9.0
+"""Until a worker has loaded its libraries and kernels, all workers at once."""
 PIXEL_BYTES = 11.0
 """On disk, of a picture with its truth."""
 GRAIN_BYTES = 36.0
@@ -49,7 +55,7 @@ class Forecast:
         By stage.
     workers : int
     seconds : float
-        With so many workers, kept busy.
+        With so many workers, kept busy once they have started.
     bytes : int
     basis : str
         What times and sizes rest on.
@@ -111,7 +117,7 @@ def forecast(sweep_file: str | Path, out: str | Path, *, workers: int | None = N
         split_counts={split: splits[split] for split in SPLITS},
         core_seconds=seconds,
         workers=count,
-        seconds=sum(seconds.values()) / count,
+        seconds=sum(seconds.values()) / count + (START_SECONDS if missing else 0.0),
         bytes=round(sum(map(_bytes, missing)) + sum(map(_recording_bytes, moves.values()))),
         basis=f"{len(made)} members that are there" if made else "stated rates",
     )
@@ -119,12 +125,12 @@ def forecast(sweep_file: str | Path, out: str | Path, *, workers: int | None = N
 
 def bed_seconds(scene: AnyScene) -> float:
     """To settle a scene's bed, s of a core."""
-    return BED_SECONDS * grain_count(scene)
+    return _seconds(scene, bed_step_count(scene))
 
 
 def simulation_seconds(scene: AnyScene) -> float:
     """To simulate a scene once its bed is settled, s of a core."""
-    return grain_count(scene) * step_count(scene) / GRAIN_STEPS
+    return _seconds(scene, step_count(scene))
 
 
 def picture_seconds(scene: AnyScene) -> float:
@@ -149,10 +155,39 @@ def step_count(scene: AnyScene) -> float:
     if not isinstance(scene, SoilBinScene):
         return 0
     from synth.dem.bed import contact_law
-    from synth.dem.contact_law import HertzMindlinLaw, contact_time, hertz_time
     from synth.dem.log import Schedule
 
-    bed, law = scene.bed, contact_law(scene)
+    schedule = Schedule.of(scene, _time_step(scene, contact_law(scene)))
+    return schedule.total * schedule.steps
+
+
+def bed_step_count(scene: AnyScene) -> float:
+    """Time steps in which a scene's bed settles, about."""
+    if not isinstance(scene, SoilBinScene):
+        return 0
+    from synth.dem.bed import bin_of, contact_law
+    from synth.dem.contact_law import ContactLaw
+
+    law = contact_law(scene)
+    own = _time_step(scene, law)
+    soft = own
+    if isinstance(law, ContactLaw):
+        box = bin_of(scene.bed, scene.contact.steps_per_contact)
+        soft = _time_step(scene, box.soft_law(law, scene.soil.bulk_density))
+    return FALL * math.sqrt(scene.bed.depth) / soft + REST / own
+
+
+def _seconds(scene: AnyScene, steps: float) -> float:
+    """Of a core, for so many time steps of a scene's grains."""
+    spheres = isinstance(scene, SoilBinScene) and scene.bed.thickness > 0
+    return steps * (STEP_SECONDS + grain_count(scene) * (SPHERE_SECONDS if spheres else DISC_SECONDS))
+
+
+def _time_step(scene: SoilBinScene, law: "Law") -> float:
+    """Of grains that touch by a law, s: a share of the shortest collision of the smallest ones."""
+    from synth.dem.contact_law import HertzMindlinLaw, contact_time, hertz_time
+
+    bed = scene.bed
     radius = 0.5 * bed.grain_diameter * (1 - bed.polydispersity)
     volume = 4 / 3 * math.pi * radius**3 if bed.thickness else math.pi * radius**2
     mass = scene.soil.bulk_density / _KEPT * volume
@@ -160,8 +195,7 @@ def step_count(scene: AnyScene) -> float:
         shortest = float(hertz_time(mass / 2, radius / 2, law.effective_modulus, law.impact_speed))
     else:
         shortest = contact_time(mass, law.normal_stiffness)
-    schedule = Schedule.of(scene, shortest / scene.contact.steps_per_contact)
-    return schedule.total * schedule.steps
+    return shortest / scene.contact.steps_per_contact
 
 
 @functools.lru_cache(maxsize=64)

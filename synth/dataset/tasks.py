@@ -22,6 +22,7 @@ from synth.dataset.folder import CHECKPOINT, FACTS_FILE, SWEEP_FILE, DataSetFold
 from synth.dataset.members import NAME_LENGTH, Failure
 from synth.dataset.versions import decisive_versions, differing
 from synth.dem.failures import SimulationError
+from synth.disk import system_complaint
 from synth.scene import AnalyticScene, AnyScene, SoilBinScene
 
 if TYPE_CHECKING:
@@ -210,8 +211,8 @@ def _check_worker(order: Order) -> None:
 
 def in_one_line(error: BaseException) -> str:
     """What an error says."""
-    if isinstance(error, OSError) and error.strerror:
-        return f"{error.filename}: {error.strerror}" if error.filename else error.strerror
+    if (complaint := system_complaint(error)) is not None:
+        return complaint
     if isinstance(error, ValueError | SimulationError):
         return " ".join(str(error).split())
     return " ".join(f"{type(error).__name__}: {error}".split())

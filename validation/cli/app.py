@@ -8,6 +8,7 @@ from typing import Annotated
 
 import typer
 
+from synth.disk import system_complaint
 from validation.terminal import Terminal, error_line
 
 CHECK_FAILED = 1
@@ -54,7 +55,8 @@ def run_command(arguments: Sequence[str]) -> int:
 def _is_expected(error: Exception) -> bool:
     """Bad input and usage, as against faults of this program."""
     ours = type(error).__module__.partition(".")[0] in _ROOMS
-    return ours or isinstance(error, ValueError | OSError) or _is_usage_error(error)
+    system = isinstance(error, OSError) or system_complaint(error) is not None
+    return ours or system or isinstance(error, ValueError) or _is_usage_error(error)
 
 
 def _is_usage_error(error: Exception) -> bool:

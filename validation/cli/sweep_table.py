@@ -22,6 +22,7 @@ def forecast_table(found: "Forecast") -> "Table":
 
 def _lines(found: "Forecast") -> list[tuple[str, str]]:
     splits = ", ".join(f"{count} {split}" for split, count in found.split_counts.items())
+    workers = f"{found.workers} worker{'s' * (found.workers > 1)}"
     lines = [
         ("sequences", f"{found.member_count} ({splits})"),
         ("there already", str(found.made_count)),
@@ -29,7 +30,7 @@ def _lines(found: "Forecast") -> list[tuple[str, str]]:
         ("motions to simulate", str(found.simulation_count)),
         ("pictures to render", str(found.frame_count)),
         *((f"time of a core, {name}", duration(value)) for name, value in found.core_seconds.items()),
-        (f"time of {found.workers} workers", f"{duration(found.seconds)}, by {found.basis}"),
+        (f"time of {workers}", f"{duration(found.seconds)}, by {found.basis}"),
         ("size of what is missing", f"{found.bytes / 1e9:.3g} GB"),
     ]
     if found.repeated_count:

@@ -22,6 +22,7 @@ from synth.dataset.summary import read_facts
 from synth.dataset.tasks import Order, photograph, settle, simulate
 from synth.dataset.versions import decisive_versions
 from synth.dem.failures import SimulationError
+from synth.disk import system_complaint
 from synth.footage import Footage
 from synth.scene import changed_scene, load_scene
 
@@ -30,13 +31,11 @@ distributed = pytest.importorskip("distributed")
 PATIENCE = 300
 """s, on a busy machine."""
 CLIENT = "from validation.cli import main; main()"
-# Runs in every worker: checkpoints as often as can be, said in a file; files cut where the disk is "full".
+# Runs in every worker: checkpoints as often as can be, said in a file.
 PRELOAD = """
-import logging, os, resource
+import logging, os
 logging.basicConfig(filename=os.environ["WORKER_LOG"])
 logging.getLogger("synth.dataset.tasks").setLevel(logging.INFO)
-if "LARGEST_FILE" in os.environ:
-    resource.setrlimit(resource.RLIMIT_FSIZE, (int(os.environ["LARGEST_FILE"]), resource.RLIM_INFINITY))
 if "OFTEN" in os.environ:
     from synth.dem import checkpoint
     checkpoint.CHECKPOINT_INTERVAL = 0.0
@@ -158,19 +157,42 @@ def test_again_it_does_nothing_and_one_worker_makes_the_same(sand_sweep, sand_se
     assert manifest_of(tmp_path / "again")["digest"] == manifest_of(sand_set)["digest"]
 
 
-def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(sweep_of, sand_tables, start, tmp_path):
-    vary = {**sand_tables["vary"], "camera.width": [64, 256], "motion.angle": [0.02]}
-    sweep, out = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary}), tmp_path / "out"
-    process = start(sweep, out, LARGEST_FILE="160000")  # between the truths' sizes, in bytes
+@pytest.fixture
+def small_disk(tmp_path):
+    """A disk of 560 kB, and how to make it larger; skips where none can be mounted."""
+    place = tmp_path / "disk"
+    place.mkdir()
+
+    def mount(*options):
+        command = ["mount", "-t", "tmpfs", *options, "tmpfs", place]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    done = mount("-o", "size=560k")
+    if done.returncode != 0:
+        pytest.skip(f"a small disk cannot be mounted here: {done.stderr.strip()}")
+    yield place, lambda: mount("-o", "remount,size=16m")
+    subprocess.run(["umount", "--lazy", place], check=True)
+
+
+def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(
+    sweep_of, sand_tables, start, small_disk, tmp_path
+):
+    disk, enlarge = small_disk
+    vary = {**sand_tables["vary"], "camera.width": [64, 512], "motion.angle": [0.02]}
+    sweep, out = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary}), disk / "out"
+    process = start(sweep, out)
     error = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == 1, error
     failures = table_of(out / "failures.csv")
-    assert [(row["camera.width"], row["stage"]) for row in failures] == [("256", "pictures")] * 2
-    assert all(row["reason"] in error for row in failures)
+    assert [(row["camera.width"], row["stage"]) for row in failures] == [("512", "pictures")] * 2
+    for row in failures:
+        assert row["reason"].endswith("No space left on device") and ".work" in row["reason"]
+        assert f"failed: {row['name']}: pictures: {row['reason']}" in error.splitlines()
     assert [row["status"] for row in table_of(out / "members.csv")] == ["made", "failed"] * 2
     assert len(list((out / "sequences").iterdir())) == 2 and not list((out / ".work").rglob("*.png"))
     assert "**It is not complete: 2 of 4 sequences are missing.**" in (out / "data_card.md").read_text()
     kept = {path: path.stat().st_mtime_ns for path in (out / "sequences").rglob("*.*")}
+    enlarge()
     vary["lens.blur"] = [0.5, 1.0, 1.5]  # more points of the same design are welcome
     sweep = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary})
     assert start(sweep, out).wait(PATIENCE) == 0
@@ -178,6 +200,19 @@ def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(sweep_of, sand_tabl
     assert manifest_of(out)["made_count"] == 6
     assert table_of(out / "failures.csv") == [] and not (out / ".work").exists()
     assert all(path.stat().st_mtime_ns == when for path, when in kept.items())
+
+
+def test_what_is_said_of_a_data_set_is_written_whole_or_not_at_all(small_disk):
+    disk, enlarge = small_disk
+    folder = DataSetFolder(disk)
+    folder.write("members.csv", "name\n")
+    with pytest.raises(OSError, match="No space left") as raised:
+        folder.write("members.csv", b"x" * 600_000)
+    assert system_complaint(raised.value) == f"{disk / 'members.csv'}: No space left on device"
+    assert (disk / "members.csv").read_text() == "name\n" and not list((disk / ".work").iterdir())
+    enlarge()
+    folder.write("members.csv", b"x" * 600_000)
+    assert (disk / "members.csv").stat().st_size == 600_000
 
 
 def test_a_killed_worker_and_a_killed_client_lose_nothing(sweep_of, sand_tables, start, tmp_path):

@@ -6,10 +6,13 @@ import shutil
 import h5py
 import numpy as np
 import pytest
+import tomli_w
 
 from soft.flow.flo import read_flo
 from soft.flow.kitti import QUANTUM, read_kitti
 from synth.dataset import load_data_set
+from synth.dataset.forecast import START_SECONDS, bed_step_count, forecast, grain_count, step_count
+from synth.scene import changed_scene, load_scene
 
 
 def test_a_dry_run_says_how_many_how_long_how_large_and_writes_nothing(softbed, sand_sweep, tmp_path):
@@ -20,7 +23,7 @@ def test_a_dry_run_says_how_many_how_long_how_large_and_writes_nothing(softbed, 
     assert status == 0 and not (tmp_path / "out").exists()
     assert (found["member_count"], found["simulation_count"], found["bed_count"]) == (2, 2, 0)
     assert found["frame_count"] == 6 and found["split_counts"] == {"train": 1, "validation": 0, "test": 1}
-    assert found["seconds"] == pytest.approx(sum(found["core_seconds"].values()) / 4)
+    assert found["seconds"] == pytest.approx(START_SECONDS + sum(found["core_seconds"].values()) / 4)
     assert found["bytes"] == pytest.approx(6 * 96 * 64 * 11)
     status, output, _ = softbed("sweep", sand_sweep, tmp_path / "out", "--dry-run")
     assert status == 0 and "2 (1 train, 0 validation, 1 test)" in output and "by stated rates" in output
@@ -38,12 +41,24 @@ def test_a_dry_run_counts_what_is_there_and_rests_on_it(softbed, sand_sweep, san
 
 
 def test_grains_and_steps_are_foretold_about_as_they_came():
-    from synth import load_scene
-    from synth.dataset.forecast import grain_count, step_count
-
     scene = load_scene("studies/rolling_60mm")
     assert grain_count(scene) == pytest.approx(7936, rel=0.1)  # of its settled bed, docs/simulator.md
     assert step_count(scene) == pytest.approx(1.43e6, rel=0.03)
+    # Counted while they settled: soft contacts of a bed, and of one whose own are hardly harder.
+    for name, diameter, counted in (("rolling_wheel", 2.2e-3, 58_515), ("bucket", 3e-3, 35_454)):
+        scene = changed_scene(load_scene(name, quick=True), {"bed.grain_diameter": diameter})
+        assert bed_step_count(scene) == pytest.approx(counted, rel=0.05)
+
+
+def test_the_bench_s_sweep_is_foretold_as_it_was_timed(tmp_path):
+    from validation.bench.sweep import CASE
+
+    tables = {"schema_version": 1, "name": "bench", "design": {"kind": "grid"}, **CASE}
+    (tmp_path / "sweep.toml").write_text(tomli_w.dumps(tables))
+    for workers, timed in ((1, 140), (2, 66)):  # two quiet cores, docs/datasets.md
+        found = forecast(tmp_path / "sweep.toml", tmp_path / "out", workers=workers)
+        assert found.seconds == pytest.approx(timed, rel=0.15)
+    assert (found.bed_count, found.simulation_count, found.member_count) == (2, 4, 8)
 
 
 def test_without_dask_it_says_how_to_install_it(softbed, sand_sweep, tmp_path, monkeypatch):

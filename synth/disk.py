@@ -1,0 +1,34 @@
+"""What the system says of a file that it cannot read or write, in one line."""
+
+import os
+import re
+from collections.abc import Iterator
+from contextlib import contextmanager
+from pathlib import Path
+
+# HDF5 says it in a paragraph, within an error of any kind.
+_HDF5_REASON = re.compile(r"errno = (\d+)")
+_HDF5_FILE = re.compile(r"filename = '([^']*)'")
+
+
+@contextmanager
+def naming(path: Path) -> Iterator[None]:
+    """Name the file in what the system says, which does so only where a file cannot be opened."""
+    try:
+        yield
+    except OSError as error:
+        error.filename = error.filename or str(path)
+        raise
+
+
+def system_complaint(error: BaseException) -> str | None:
+    """File and reason, `truth.nc: No space left on device`; None of an error that is not the system's."""
+    told = _HDF5_REASON.search(str(error))
+    if told is not None:
+        reason, file = os.strerror(int(told[1])), _HDF5_FILE.search(str(error))
+        return f"{file[1]}: {reason}" if file else reason
+    if not isinstance(error, OSError) or not error.strerror:
+        return None
+    return " ".join(
+        f"{error.filename}: {error.strerror}".split() if error.filename else error.strerror.split()
+    )
