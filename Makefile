@@ -2,6 +2,7 @@
 # make test   the fast tests
 # make gate   whether robust-affine got worse than its baseline, on ten small clips
 # make lint   style and types
+# make docs   the pages of docs/ as a site, in build/docs; a warning is an error
 # make clean  remove what these made
 #
 # The first of them makes .venv, which needs a package index; later ones work offline.
@@ -9,7 +10,7 @@
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: demo test gate lint clean install develop
+.PHONY: demo test gate lint docs clean install develop
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -17,6 +18,7 @@ OUT := out/demo
 PYTEST_OPTIONS ?= -n auto
 INSTALLED := $(VENV)/.installed
 DEVELOPED := $(VENV)/.developed
+DOCUMENTED := $(VENV)/.documented
 
 SUPPORTED := import ensurepip, sys, venv; sys.exit(not (3, 11) <= sys.version_info[:2] < (3, 13))
 CANDIDATES := python3.12 python3.11 python3
@@ -38,6 +40,10 @@ lint: $(DEVELOPED)
 	$(BIN)/ruff format --check .
 	$(BIN)/mypy
 
+docs: $(DOCUMENTED)
+	$(BIN)/python -m sphinx --builder html --quiet --fail-on-warning --keep-going docs build/docs
+	@echo "open $(abspath build/docs)/index.html"
+
 install: $(INSTALLED)
 
 develop: $(DEVELOPED)
@@ -54,6 +60,10 @@ $(INSTALLED): pyproject.toml constraints.txt | $(BIN)/python
 
 $(DEVELOPED): $(INSTALLED)
 	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[dev]'
+	@touch $@
+
+$(DOCUMENTED): $(INSTALLED)
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -c constraints.txt -e '.[docs]'
 	@touch $@
 
 clean:
