@@ -1,0 +1,96 @@
+"""What the pages take for given, so small that it is made in seconds."""
+
+import tomllib
+
+import numpy as np
+import pytest
+import tomli_w
+from PIL import Image
+
+from synth.scene_files import scenes_folder
+from validation.cli import run_command
+
+WHEEL = {
+    "bed": {"width": 0.16, "depth": 0.03, "grain_diameter": 3.5e-3, "coarsening": 1.0},
+    "implement": {"radius": 0.03, "normal_load": 10.0, "moving_mass": 0.1},
+    "contact": {"normal_stiffness": 2.0e6},
+    "timing": {"frame_count": 2, "speed_up": 20.0},
+    "camera": {"width": 208, "height": 128, "centre_z": 0.022, "supersampling": 4},
+}
+DRIVES = {
+    "rolling_wheel": {"kind": "rolling", "rim_speed": 0.01, "slip": 0.2, "start": 0.05, "run_in": 0.01},
+    "pushed_wheel": {"kind": "pushing", "speed": 0.008, "start": 0.08, "loading": 0.5, "rest": 0.1},
+}
+SAND = """
+base = "sand_rotation"
+name = "sand"
+[timing]
+frame_count = 6
+[camera]
+width = 128
+height = 96
+"""
+SWEEP = """
+schema_version = 1
+name = "sand"
+scene = "sand_rotation"
+quick = true
+[design]
+kind = "grid"
+[vary]
+"motion.angle" = [0.01, 0.03]
+"camera.width" = [96]
+"camera.height" = [64]
+"timing.frame_count" = [3]
+[split]
+train = 0.5
+validation = 0.0
+test = 0.5
+"""
+
+
+@pytest.fixture(scope="session")
+def small_scenes(tmp_path_factory):
+    """A folder of wheels in beds of about 300 grains, by the names of those that pages run."""
+    folder = tmp_path_factory.mktemp("small")
+    shipped = tomllib.loads((scenes_folder() / "rolling_wheel.toml").read_text())
+    for name, drive in DRIVES.items():
+        tables = {key: {**shipped[key], **values} for key, values in WHEEL.items()}
+        quick = {"timing": {"frame_count": 2}}
+        scene = {**shipped, **tables, "name": name, "drive": drive, "quick": quick}
+        (folder / f"{name}.toml").write_text(tomli_w.dumps(scene))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def sand_run(tmp_path_factory):
+    """A run of five pairs of sand by formula, measured by the default method."""
+    folder = tmp_path_factory.mktemp("run")
+    (folder / "sand.toml").write_text(SAND)
+    assert run_command(["run", str(folder / "sand.toml"), str(folder / "OUT"), "--threads", "1"]) == 0
+    return folder / "OUT"
+
+
+@pytest.fixture(scope="session")
+def own_pictures(tmp_path_factory):
+    """Three pictures of soil below a dark background, of which a block moves to the left."""
+    folder = tmp_path_factory.mktemp("own") / "PICTURES"
+    folder.mkdir()
+    grains = np.random.default_rng(4).uniform(90, 250, (2, 120, 168)).astype(np.uint8)
+    for k in range(3):
+        picture = grains[0, :, :160].copy()
+        picture[20:70, 40:120] = grains[1, 20:70, 40 + 3 * k : 120 + 3 * k]
+        picture[:20] = 12
+        Image.fromarray(picture).save(folder / f"IMG_{k}.png")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def sand_set(tmp_path_factory):
+    """A sweep file and its data set of two sequences, by formula."""
+    pytest.importorskip("distributed")
+    folder = tmp_path_factory.mktemp("set")
+    (folder / "wheels.toml").write_text(SWEEP)
+    made = run_command(["sweep", str(folder / "wheels.toml"), str(folder / "wheels"), "--workers", "1"])
+    assert made == 0
+    return folder

@@ -1,0 +1,160 @@
+"""Every code block and command of the README and the docs is run, or parsed where running takes too long."""
+
+import importlib.util
+import json
+import re
+import shutil
+import sys
+import tomllib
+from pathlib import Path
+
+import pytest
+import typer
+
+from synth.dataset.members import members_of
+from synth.dataset.sweep import load_sweep
+from synth.scene import load_scene
+from tests.documents.blocks import PAGES, ROOT, Block, blocks_of, inline_commands
+from validation.cli import app, run_command
+
+# What a page takes for given, by the name of the fixture that makes it.
+GIVEN = {
+    "docs/analysis.md": ["own_pictures"],
+    "docs/datasets.md": ["sand_set"],
+    "docs/figures.md": ["sand_run"],
+    "docs/measures.md": ["own_pictures"],
+    "docs/tutorials/study_push_rolling.md": ["small_scenes"],
+    "docs/tutorials/make_a_data_set.md": ["sand_set"],
+}
+SCORING = "docs/tutorials/score_my_method.md"
+SMALL = ("rolling_wheel", "pushed_wheel")  # scenes that a fixture has small ones of
+TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+# What may be told of besides softbed; never run here.
+OTHERS = {"make", "python", "python3", "pip", ".venv/bin/pip", "dask"}
+
+
+@pytest.fixture
+def place(request, tmp_path, monkeypatch):
+    """Make a folder with what a page takes for given, and go there."""
+
+    def prepare(page: str) -> Path:
+        for name in GIVEN.get(page, ()):
+            given = request.getfixturevalue(name)
+            if name in ("own_pictures", "sand_run"):
+                shutil.copytree(given, tmp_path / given.name)
+            else:
+                shutil.copytree(given, tmp_path, dirs_exist_ok=True)
+        for name in ("my_flow", "my_flow_later"):
+            monkeypatch.delitem(sys.modules, name, raising=False)
+        monkeypatch.chdir(tmp_path)
+        monkeypatch.syspath_prepend(tmp_path)
+        return tmp_path
+
+    return prepare
+
+
+def parse(words: list[str]) -> None:
+    """Have the command line take the arguments of a command, without running it."""
+    command = typer.main.get_command(app)
+    while hasattr(command, "commands"):
+        name, *words = words
+        assert name in command.commands, f"there is no command {name}"
+        command = command.commands[name]
+    command.make_context(command.name, words)
+
+
+def options_of(words: list[str]) -> set[str]:
+    """Every option of a command that is told of."""
+    command = typer.main.get_command(app)
+    while hasattr(command, "commands"):
+        name, *words = words
+        assert name in command.commands, f"there is no command {name}"
+        command = command.commands[name]
+    return {option for one in command.params for option in (*one.opts, *one.secondary_opts)} | {"--help"}
+
+
+def run_shell(block: Block, place: Path) -> None:
+    """Run the commands of a block, scenes that take long replaced by small ones of the same name."""
+    for program, *words in block.commands:
+        if program == "softbed":
+            parse(words)
+        else:
+            assert program.removeprefix(".venv/bin/") in OTHERS | {"softbed"}, program
+            assert program != "make" or set(words) <= TARGETS
+            assert block.parsed_only or program == "make"
+        if program == "softbed" and not block.parsed_only:
+            assert run_command([small_scene(word, place) for word in words]) == block.exit_status, " ".join(
+                words
+            )
+
+
+def small_scene(word: str, place: Path) -> str:
+    """The small scene of that name where there is one; else the word itself."""
+    return f"{word}.toml" if word in SMALL and (place / f"{word}.toml").exists() else word
+
+
+def write_file(block: Block, place: Path) -> None:
+    """Write a block that is a file, beside a fixture's of that name; scenes and sweeps must be some."""
+    path = place / block.file_name
+    if path.exists():
+        path = place / f"shown_{path.name}"
+    path.write_text(block.text)
+    if path.suffix == ".py":
+        compile(block.text, path.name, "exec")
+    elif "base" in tomllib.loads(block.text):
+        load_scene(path, quick=True)
+    elif "vary" in tomllib.loads(block.text):
+        assert not members_of(*load_sweep(path)).impossible
+
+
+def run_python(block: Block, names: dict[str, object]) -> None:
+    """Run a program; the page's former ones have left their names."""
+    code = compile(block.text, f"line {block.line}", "exec")
+    missing = "import torch" in block.text and importlib.util.find_spec("torch") is None
+    if not (block.parsed_only or missing):
+        exec(code, names)
+
+
+def run_block(block: Block, place: Path, names: dict[str, object]) -> None:
+    if block.kind == "sh":
+        run_shell(block, place)
+    elif block.file_name:
+        write_file(block, place)
+    elif block.kind == "python":
+        run_python(block, names)
+    elif block.kind == "toml":
+        tomllib.loads(block.text)
+    elif block.kind == "yaml":
+        pytest.importorskip("yaml").safe_load(block.text)
+    else:
+        assert not block.kind or block.kind.startswith("{")
+
+
+@pytest.mark.parametrize("page", [page for page in PAGES if blocks_of(page)])
+def test_blocks(page, place):
+    where, names = place(page), {"__name__": "page"}
+    for block in blocks_of(page):
+        run_block(block, where, names)
+    if page == SCORING:
+        assert_told(page, where / "out" / "band" / "scores.json")
+
+
+def assert_told(page: str, path: Path) -> None:
+    """The page's table has the scores that its commands have just come to."""
+    text, method = (ROOT / page).read_text(encoding="utf-8"), ""
+    scores = json.loads(path.read_text())["methods"]
+    rows = re.findall(r"^\| (`[^`]+`)? ?\| (\w+) \| (\d.+) \|$", text, re.MULTILINE)
+    assert len(rows) == 6
+    for name, stratum, numbers in rows:
+        method = name.strip("`") or method
+        one = scores[method]["strata"][stratum]
+        wrong = one["wrong_share"]["0.3"]
+        told = f"{one['coverage']:.1%} | {one['median']:.3f} | {one['p95']:.2f} | {wrong:.1%}"
+        assert numbers == told.replace("%", " %"), (method, stratum)
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_commands_in_running_text_exist(page):
+    for _, *words in inline_commands(page):
+        told = {word.partition("=")[0] for word in words if word.startswith("--")}
+        assert told <= options_of([word for word in words if not word.startswith("--")]), words
