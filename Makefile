@@ -3,6 +3,7 @@
 # make gate   whether robust-affine got worse than its baseline, on ten small clips
 # make lint   style and types
 # make docs   the pages of docs/ as a site, in build/docs; a warning is an error
+# make figures   pictures of README and docs from kept tables; with LASTS=minutes or hours, the others, too
 # make clean  remove what these made
 #
 # The first of them makes .venv, which needs a package index; later ones work offline.
@@ -10,11 +11,12 @@
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: demo test gate lint docs clean install develop
+.PHONY: demo test gate lint docs figures clean install develop
 
 VENV := .venv
 BIN := $(VENV)/bin
 OUT := out/demo
+LASTS ?= seconds
 PYTEST_OPTIONS ?= -n auto
 INSTALLED := $(VENV)/.installed
 DEVELOPED := $(VENV)/.developed
@@ -43,6 +45,9 @@ lint: $(DEVELOPED)
 docs: $(DOCUMENTED)
 	$(BIN)/python -m sphinx --builder html --quiet --fail-on-warning --keep-going docs build/docs
 	@echo "open $(abspath build/docs)/index.html"
+
+figures: $(INSTALLED)
+	$(BIN)/python docs/make/figures.py $(LASTS)
 
 install: $(INSTALLED)
 

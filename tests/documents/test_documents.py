@@ -9,13 +9,13 @@ import tomllib
 from pathlib import Path
 
 import pytest
-import typer
 
 from synth.dataset.members import members_of
 from synth.dataset.sweep import load_sweep
 from synth.scene import load_scene
 from tests.documents.blocks import PAGES, ROOT, Block, blocks_of, inline_commands
-from validation.cli import app, run_command
+from tests.documents.command_line import options_of, parse
+from validation.cli import run_command
 
 # What a page takes for given, by the name of the fixture that makes it.
 GIVEN = {
@@ -51,26 +51,6 @@ def place(request, tmp_path, monkeypatch):
         return tmp_path
 
     return prepare
-
-
-def parse(words: list[str]) -> None:
-    """Have the command line take the arguments of a command, without running it."""
-    command = typer.main.get_command(app)
-    while hasattr(command, "commands"):
-        name, *words = words
-        assert name in command.commands, f"there is no command {name}"
-        command = command.commands[name]
-    command.make_context(command.name, words)
-
-
-def options_of(words: list[str]) -> set[str]:
-    """Every option of a command that is told of."""
-    command = typer.main.get_command(app)
-    while hasattr(command, "commands"):
-        name, *words = words
-        assert name in command.commands, f"there is no command {name}"
-        command = command.commands[name]
-    return {option for one in command.params for option in (*one.opts, *one.secondary_opts)} | {"--help"}
 
 
 def run_shell(block: Block, place: Path) -> None:

@@ -1,0 +1,99 @@
+"""Remake pictures and tables of the README and the docs: python docs/make/figures.py [seconds|minutes|hours].
+
+docs/make/figures.toml says what makes each. What is left out is listed, so that nothing goes stale unseen.
+"""
+
+import os
+import shlex
+import shutil
+import subprocess
+import sys
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+from PIL import Image
+
+ROOT = Path(__file__).parents[2]
+OUT = Path("out/figures")
+LASTS = ("seconds", "minutes", "hours")
+_JPEG_SIDE = 1000
+"""px, the greatest width of a figure that is kept as JPEG."""
+
+
+@dataclass(frozen=True)
+class Entry:
+    """Files that some commands make together; the meaning of each is told in `figures.toml`."""
+
+    files: tuple[Path, ...]
+    commands: tuple[str, ...]
+    lasts: str
+    made: tuple[Path, ...] = ()
+    tables: tuple[str, ...] = ()
+    needs: str = ""
+
+
+def read_entries() -> list[Entry]:
+    """What `figures.toml` lists, in its order."""
+    listed = tomllib.loads((ROOT / "docs/make/figures.toml").read_text(encoding="utf-8"))["figures"]
+    return [_entry(**one) for one in listed]
+
+
+def _entry(*, files: list[str], commands: list[str], lasts: str, **others: object) -> Entry:
+    made = tuple(Path(one.format(out=OUT)) for one in others.pop("made", ()))  # type: ignore[attr-defined]
+    tables = tuple(others.pop("tables", ()))  # type: ignore[call-overload]
+    told = tuple(command.format(out=OUT) for command in commands)
+    if lasts not in LASTS or (made and len(made) != len(files)):
+        raise SystemExit(f"figures.toml: {files[0]}: lasts {lasts!r}, {len(made)} made of {len(files)} files")
+    return Entry(tuple(map(Path, files)), told, lasts, made, tables, **others)  # type: ignore[arg-type]
+
+
+def remake(entry: Entry) -> None:
+    """Carry out the commands, and put what they leave in its place."""
+    beside = Path(sys.executable).parent
+    environment = os.environ | {"PATH": f"{beside}{os.pathsep}{os.environ['PATH']}"}
+    for command in entry.commands:
+        print(command, flush=True)
+        words = [os.path.expandvars(word) for word in shlex.split(command)]
+        subprocess.run(words, cwd=ROOT, env=environment, check=True, stdout=subprocess.DEVNULL)
+    for file, made in zip(entry.files, entry.made, strict=False):
+        keep(ROOT / made, ROOT / file)
+
+
+def keep(made: Path, file: Path) -> None:
+    """Copy a file; a figure that is kept as JPEG is made as small as a page shows it."""
+    if made.suffix == file.suffix:
+        shutil.copy(made, file)
+        return
+    with Image.open(made) as figure:
+        shown = figure.convert("RGB")
+    shown.thumbnail((_JPEG_SIDE, _JPEG_SIDE), Image.Resampling.LANCZOS)
+    shown.save(file, quality=85, optimize=True)
+
+
+def made_on(file: Path) -> str:
+    """The day of the last commit that changed a file."""
+    git = ["git", "log", "-1", "--format=%as", "--", str(file)]
+    try:
+        return subprocess.run(git, cwd=ROOT, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return "an unknown day"
+
+
+def main(most: str = "seconds") -> None:
+    """Remake what lasts as long as `most` at most, and list the rest."""
+    if most not in LASTS:
+        raise SystemExit(f"LASTS={most}: allowed are {', '.join(LASTS)}")
+    entries = read_entries()
+    wanted = LASTS[: LASTS.index(most) + 1]
+    (ROOT / OUT).mkdir(parents=True, exist_ok=True)
+    for entry in (one for one in entries if one.lasts in wanted and not one.needs):
+        remake(entry)
+    for entry in (one for one in entries if one.lasts not in wanted or one.needs):
+        print(f"\nnot remade, as it takes {entry.lasts}{f', and {entry.needs}' if entry.needs else ''}:")
+        print("\n".join(f"  {file}, as of {made_on(file)}" for file in entry.files))
+        print("\n".join(f"    {command}" for command in entry.commands))
+
+
+if __name__ == "__main__":
+    main(*sys.argv[1:])

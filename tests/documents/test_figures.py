@@ -1,0 +1,101 @@
+"""Every picture of the README and the docs has a command that makes it; what is cheap to make is not stale."""
+
+import importlib.util
+import re
+import shlex
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import soft
+import synth
+import synth.dataset
+from tests.documents.blocks import PAGES, ROOT
+from tests.documents.command_line import parse
+
+PICTURES = (".png", ".jpg")
+
+
+@pytest.fixture(scope="module")
+def maker():
+    """The program that `make figures` runs."""
+    spec = importlib.util.spec_from_file_location("figures", ROOT / "docs/make/figures.py")
+    sys.modules[spec.name] = module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    yield module
+    del sys.modules[spec.name]
+
+
+@pytest.fixture(scope="module")
+def entries(maker):
+    return maker.read_entries()
+
+
+def shown() -> set[Path]:
+    """Every picture that a page shows, from the root."""
+    pages = (*PAGES, "scenes/scarab/README.md")
+    found = (
+        (ROOT / page, one) for page in pages for one in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", read(page))
+    )
+    return {(page.parent / one).resolve().relative_to(ROOT.resolve()) for page, one in found}
+
+
+def read(page: str) -> str:
+    return (ROOT / page).read_text(encoding="utf-8")
+
+
+def test_every_picture_is_made_by_a_command_and_every_one_is_shown(entries):
+    listed = [file for entry in entries for file in entry.files]
+    assert len(listed) == len(set(listed))
+    kept = {path.relative_to(ROOT) for path in (ROOT / "docs").iterdir() if path.suffix in PICTURES}
+    assert shown() == {file for file in listed if file.suffix in PICTURES} == shown() | kept
+    assert all((ROOT / file).is_file() for file in listed)
+
+
+def test_pictures_are_small(entries):
+    large = {file for entry in entries for file in entry.files if (ROOT / file).stat().st_size > 500_000}
+    assert not large
+
+
+def test_commands_are_such(entries):
+    for entry in entries:
+        for program, *words in map(shlex.split, entry.commands):
+            if program == "softbed":
+                parse(words)
+            else:
+                assert program == "python" and (ROOT / words[0]).is_file()
+
+
+def test_tables_that_a_command_writes_are_all_listed(entries):
+    written = {page for page in PAGES if "<!-- findings:" in read(page)}
+    assert {table for entry in entries for table in entry.tables} == written
+
+
+@pytest.mark.parametrize("name", ["conventions", "texture"])
+def test_what_is_cheap_to_make_is_as_it_is_made(maker, entries, name, tmp_path, monkeypatch):
+    (entry,) = (one for one in entries if one.files == (Path(f"docs/{name}.png"),))
+    kept, new = ROOT / entry.files[0], tmp_path / "new.png"
+    command = entry.commands[0].replace(str(entry.files[0]), str(new))
+    monkeypatch.setenv("PYTHONPATH", str(ROOT))
+    maker.remake(maker.Entry((new,), (command,), entry.lasts))
+    pixels = [np.asarray(Image.open(path).convert("RGB"), float) for path in (kept, new)]
+    assert pixels[0].shape == pixels[1].shape
+    assert np.abs(pixels[0] - pixels[1]).mean() < 0.1  # grey levels
+
+
+def test_tests_that_pages_name_exist():
+    named = [one for page in PAGES for one in re.findall(r"`(tests/[\w/]+\.py)((?:::\w+)*)`", read(page))]
+    assert len(named) > 20
+    for file, names in named:
+        source = (ROOT / file).read_text(encoding="utf-8")
+        assert all(re.search(rf"(?:def|class) {name}\b", source) for name in names.split("::") if name), names
+
+
+@pytest.mark.parametrize("room", [soft, synth, synth.dataset])
+def test_every_public_name_is_in_the_reference(room):
+    page = read(f"docs/reference/{room.__name__.partition('.')[0]}.md")
+    listed = set(re.findall(r"^\.\. auto\w+:: (\w+)$", page, re.MULTILINE))
+    assert set(room.__all__) <= listed
