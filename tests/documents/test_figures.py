@@ -1,4 +1,4 @@
-"""Every picture of the README and the docs has a command that makes it; what is cheap to make is not stale."""
+"""Every picture of README and docs has a command that makes it; what is cheap to make is not stale."""
 
 import importlib.util
 import re
