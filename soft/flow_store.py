@@ -4,6 +4,7 @@ import hashlib
 import json
 import os
 import zipfile
+import zlib
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -44,7 +45,7 @@ class FlowStore:
             with np.load(self._path(key), allow_pickle=False) as kept:
                 arrays = {name: kept[name] for name in _ARRAYS if name in kept}
                 seconds = float(kept["seconds"])
-        except (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile):
+        except (OSError, EOFError, ValueError, KeyError, zipfile.BadZipFile, zlib.error):
             return None
         # The displacement is finite exactly where it is valid.
         valid = np.isfinite(arrays["displacement"]).all(axis=2)
@@ -56,11 +57,17 @@ class FlowStore:
         told = {name: getattr(flow.field, name) for name in _ARRAYS}
         arrays = {name: array for name, array in told.items() if array is not None}
         draft = self.folder / f"{key}.tmp"
-        with draft.open("wb") as file:
-            np.savez(file, seconds=flow.seconds, **arrays)
-            file.flush()
-            os.fsync(file.fileno())
-        draft.replace(self._path(key))
+        try:
+            with draft.open("wb") as file:
+                np.savez(file, seconds=flow.seconds, **arrays)
+                file.flush()
+                os.fsync(file.fileno())
+            draft.replace(self._path(key))
+        except OSError as error:  # of what cannot be written, the system does not name the file
+            error.filename = error.filename or str(draft)
+            raise
+        finally:
+            draft.unlink(missing_ok=True)  # a full disk gets its bytes back
 
     def _path(self, key: str) -> Path:
         return self.folder / f"{key}.npz"

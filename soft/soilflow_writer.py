@@ -1,5 +1,8 @@
 """Filling a SoilFlow pair by pair, in memory or in a file."""
 
+import errno
+import os
+import shutil
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Protocol
@@ -16,6 +19,9 @@ CHUNK_SIDE = 512
 
 # Noise in the last digits does not compress: a higher level only takes longer.
 COMPRESSION_LEVEL = 1
+
+# Bytes that HDF5 may need for more than the values themselves, until a file is closed.
+ROOM = 1 << 18
 
 
 class SoilFlowWriter(Protocol):
@@ -71,6 +77,7 @@ class FileWriter:
         import h5netcdf
 
         self._path = Path(path)
+        self._require_space(0)
         self._file = h5netcdf.File(self._path, "w")
         self._file.dimensions = dict(sizes)
         coordinates = coordinates_for(timed=timed)
@@ -100,9 +107,15 @@ class FileWriter:
 
     def put(self, pair: int, values: Mapping[str, Any]) -> None:
         """Write variables of one pair."""
-        for name, value in values.items():
-            variable = self._file.variables[name]
-            variable[pair] = np.asarray(value).astype(variable.dtype)
+        stored = {n: np.asarray(value).astype(self._file.variables[n].dtype) for n, value in values.items()}
+        self._require_space(sum(array.nbytes for array in stored.values()))
+        for name, array in stored.items():
+            self._file.variables[name][pair] = array
+
+    def _require_space(self, size: int) -> None:
+        """Raise what the system would: HDF5 does not survive that it cannot write, nor does the process."""
+        if shutil.disk_usage(self._path.parent).free < size + ROOM:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(self._path))
 
     def finish(self, attributes: Mapping[str, object]) -> "xarray.Dataset":
         """Close the file and open it for reading."""

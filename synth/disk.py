@@ -1,7 +1,9 @@
 """What the system says of a file that it cannot read or write, in one line."""
 
+import errno
 import os
 import re
+import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
@@ -9,6 +11,23 @@ from pathlib import Path
 # HDF5 says it in a paragraph, within an error of any kind.
 _HDF5_REASON = re.compile(r"errno = (\d+)")
 _HDF5_FILE = re.compile(r"filename = '([^']*)'")
+
+ROOM = 1 << 18
+"""Bytes that HDF5 may need for more than the values themselves, until a file is closed."""
+
+
+def require_space(path: Path, size: int) -> None:
+    """Make sure that a disk has room for `size` bytes more of an HDF5 file.
+
+    HDF5 does not survive that it cannot write: the process ends with it, if only when the file is closed.
+
+    Raises
+    ------
+    OSError
+        As the system would raise it.
+    """
+    if shutil.disk_usage(path.parent).free < size + ROOM:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
 
 
 @contextmanager

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+from synth.disk import require_space
+
 if TYPE_CHECKING:
     import numpy as np
     import xarray as xr
@@ -226,6 +228,7 @@ class Recording:
             encoding[name] = {"zlib": True, "complevel": 1, "shuffle": True}
             if one.dims == ("frame", "particle") and one.size:
                 encoding[name]["chunksizes"] = (1, one.sizes["particle"])
+        require_space(Path(path), self.data.nbytes)
         self.data.to_netcdf(path, engine="h5netcdf", encoding=encoding)
 
     def write_forces(self, path: str | Path) -> None:

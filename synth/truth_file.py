@@ -4,6 +4,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Self
 
 from synth.deflate import deflated_chunk
+from synth.disk import require_space
 from synth.truth import CAMERA_VARIABLES, VARIABLES, PairTruth, file_attributes
 
 if TYPE_CHECKING:
@@ -22,7 +23,8 @@ class TruthWriter:
         import numpy as np
 
         count = len(frame_times) - 1
-        self._file = h5netcdf.File(path, "w")
+        require_space(path, 0)
+        self._path, self._file = path, h5netcdf.File(path, "w")
         self._file.attrs.update(file_attributes(scene))
         self._file.dimensions = {"pair": count, "y": scene.camera.height, "x": scene.camera.width}
         frames = np.arange(count + 1, dtype=np.int32)
@@ -58,14 +60,20 @@ class TruthWriter:
 
     def write(self, pair: int, truth: PairTruth) -> None:
         """Write the truth of a pair."""
+        chunks = {name: deflated_chunk(_stored(truth.arrays[name], name)) for name in VARIABLES}
+        require_space(self._path, sum(map(len, chunks.values())))
         for name in CAMERA_VARIABLES:
             self._file.variables[name][pair] = truth.camera[name]
-        for name, (dtype, _, _) in VARIABLES.items():
-            values = truth.arrays[name].astype("int8" if dtype == "bool" else dtype, copy=False)
-            self._chunks[name].write_direct_chunk((pair, 0, 0), deflated_chunk(values))
+        for name, chunk in chunks.items():
+            self._chunks[name].write_direct_chunk((pair, 0, 0), chunk)
 
     def __enter__(self) -> Self:
         return self
 
     def __exit__(self, *_: object) -> None:
         self._file.close()
+
+
+def _stored(values: "np.ndarray", name: str) -> "np.ndarray":
+    dtype, _, _ = VARIABLES[name]
+    return values.astype("int8" if dtype == "bool" else dtype, copy=False)

@@ -78,3 +78,20 @@ def test_velocities_need_a_scale(flow):
     del wrong.attrs["metres_per_pixel"]
     with pytest.raises(SoilFlowError, match="metres_per_pixel is missing, but there are velocities"):
         check_soil_flow(wrong, values=True)
+
+
+@pytest.mark.parametrize("size", [600, 1200])
+def test_a_full_disk_ends_an_analysis_with_an_error_and_leaves_nothing_half_kept(moved, small_disk, size):
+    disk, enlarge = small_disk(size)
+    first, second, _ = moved(shift=(1.5, -0.75), shape=(200, 300))
+    sequence = ImageSequence.from_arrays([first, second, first], metres_per_pixel=2e-4, frame_rate=8)
+
+    def again():
+        return analyze(sequence, method="dis", soil="all", path=disk / "dis.nc", keep=disk / "kept")
+
+    with pytest.raises(OSError, match="No space left on device") as raised:
+        again()
+    assert str(disk) in str(raised.value.filename)
+    assert not list((disk / "kept").glob("*.tmp"))
+    enlarge()
+    again().close()

@@ -157,27 +157,10 @@ def test_again_it_does_nothing_and_one_worker_makes_the_same(sand_sweep, sand_se
     assert manifest_of(tmp_path / "again")["digest"] == manifest_of(sand_set)["digest"]
 
 
-@pytest.fixture
-def small_disk(tmp_path):
-    """A disk of 560 kB, and how to make it larger; skips where none can be mounted."""
-    place = tmp_path / "disk"
-    place.mkdir()
-
-    def mount(*options):
-        command = ["mount", "-t", "tmpfs", *options, "tmpfs", place]
-        return subprocess.run(command, capture_output=True, text=True)
-
-    done = mount("-o", "size=560k")
-    if done.returncode != 0:
-        pytest.skip(f"a small disk cannot be mounted here: {done.stderr.strip()}")
-    yield place, lambda: mount("-o", "remount,size=16m")
-    subprocess.run(["umount", "--lazy", place], check=True)
-
-
 def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(
     sweep_of, sand_tables, start, small_disk, tmp_path
 ):
-    disk, enlarge = small_disk
+    disk, enlarge = small_disk(560)
     vary = {**sand_tables["vary"], "camera.width": [64, 512], "motion.angle": [0.02]}
     sweep, out = sweep_of(tmp_path / "given", **{**sand_tables, "vary": vary}), disk / "out"
     process = start(sweep, out)
@@ -203,7 +186,7 @@ def test_a_full_disk_is_told_leaves_nothing_and_is_made_good(
 
 
 def test_what_is_said_of_a_data_set_is_written_whole_or_not_at_all(small_disk):
-    disk, enlarge = small_disk
+    disk, enlarge = small_disk(560)
     folder = DataSetFolder(disk)
     folder.write("members.csv", "name\n")
     with pytest.raises(OSError, match="No space left") as raised:

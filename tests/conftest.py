@@ -1,0 +1,27 @@
+"""What tests of every room use."""
+
+import subprocess
+from pathlib import Path
+
+import pytest
+
+
+@pytest.fixture
+def small_disk(tmp_path):
+    """Mount a disk of so many kB: where it is, and how to make it larger; skips where none can be mounted."""
+    place = tmp_path / "disk"
+
+    def mount(options: str) -> subprocess.CompletedProcess:
+        command = ["mount", "-t", "tmpfs", "-o", options, "tmpfs", place]
+        return subprocess.run(command, capture_output=True, text=True)
+
+    def small(size: int) -> tuple[Path, object]:
+        place.mkdir()
+        done = mount(f"size={size}k")
+        if done.returncode != 0:
+            pytest.skip(f"a small disk cannot be mounted here: {done.stderr.strip()}")
+        return place, lambda: mount("remount,size=16m")
+
+    yield small
+    if place.is_mount():
+        subprocess.run(["umount", "--lazy", place], check=True)
