@@ -167,6 +167,8 @@ def _rig_document(rig: RigComparison) -> dict[str, Any]:
             row[name] = getattr(one, name)
             row[f"{name}_law"] = getattr(rig.predicted[k], name)
             row[f"{name}_unfitted_law"] = getattr(rig.unfitted[k], name)
+        row["load_at_sinkage_law"] = rig.at_sinkage[k].force_z
+        row["drawbar_pull_at_sinkage_law"] = rig.at_sinkage[k].force_x
         rows.append(row)
     estimates = {name: asdict(one) for name, one in rig.identification.estimates.items()}
     return {"estimates": estimates, "misfit": rig.identification.misfit, "trials": rows}

@@ -11,6 +11,7 @@ from synth.rover.law.catalogue import loose_grc1
 from synth.rover.law.identification import FIRST_SHEAR_SHARE, Identification, Trial, identify, predict
 from synth.rover.law.response import published_scale
 from synth.rover.law.rft import ResistiveForceLaw
+from synth.rover.law.steady import SteadyForces, steady_forces
 
 RADIUS, WIDTH = 0.058, 0.05
 """m, of the rig's smooth wheel."""
@@ -26,12 +27,17 @@ class RigError(ValueError):
 
 @dataclass(frozen=True)
 class RigComparison:
-    """What was measured, the law fitted to driven trials, and what it gives for all of them."""
+    """What was measured, the law fitted to driven trials, and what it gives for all of them.
+
+    `at_sinkage` are its steady forces on a wheel held at the measured sinkage: they tell whether it is the
+    drag that is off, or how deep the wheel sinks.
+    """
 
     measured: list[Trial]
     identification: Identification
     predicted: list[Trial]
     unfitted: list[Trial]
+    at_sinkage: list[SteadyForces]
 
     def is_braked(self, index: int) -> bool:
         """Whether a trial is one that the law was not fitted to."""
@@ -79,6 +85,10 @@ def compare_with_rig(trials: list[Trial]) -> RigComparison:
         found,
         predict(ResistiveForceLaw(found.soil), trials),
         predict(ResistiveForceLaw(start), trials),
+        [
+            steady_forces(found.soil, slip=one.slip, sinkage=one.sinkage, radius=one.radius, width=one.width)
+            for one in trials
+        ],
     )
 
 

@@ -51,8 +51,17 @@ def test_a_slightly_braked_wheel_is_predicted_and_a_locked_one_is_not(comparison
     slightly, locked = comparison.measured[3], comparison.measured[0]
     assert comparison.predicted[3].drawbar_pull == pytest.approx(slightly.drawbar_pull, rel=0.15)
     assert comparison.predicted[3].sinkage == pytest.approx(slightly.sinkage, rel=0.15)
-    # What a locked wheel piles up before it is not in the law.
     assert comparison.predicted[0].drawbar_pull > 0.6 * locked.drawbar_pull
+
+
+@with_data
+def test_a_braked_wheel_is_held_back_as_predicted_at_its_own_sinkage_but_borne_too_well(comparison):
+    """What the law lacks where wheels slide is how deep they sink, not drag."""
+    for k in (1, 2, 3):
+        assert comparison.at_sinkage[k].force_x == pytest.approx(comparison.measured[k].drawbar_pull, rel=0.1)
+    assert comparison.at_sinkage[0].force_x == pytest.approx(comparison.measured[0].drawbar_pull, rel=0.3)
+    for k in (0, 1):
+        assert comparison.at_sinkage[k].force_z > 1.4 * comparison.measured[k].load
 
 
 def test_another_file_is_refused(tmp_path):
