@@ -7,7 +7,8 @@ Material for MkDocs, the other candidate, is maintained until November 2026 only
 from importlib.metadata import version as version_of
 
 project = "softbed"
-author = "the softbed authors"
+author = "the softbed developers"
+project_copyright = f"2026, {author}"
 release = version_of("softbed")
 version = release
 
