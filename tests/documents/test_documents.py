@@ -28,6 +28,8 @@ GIVEN = {
 }
 SCORING = "docs/tutorials/score_my_method.md"
 SMALL = ("rolling_wheel", "pushed_wheel")  # scenes that a fixture has small ones of
+# Commands that take minutes to hours, whatever they are asked for.
+LONG = {"bench", "calibrate", "contact-sheet", "drawbar", "identify", "study", "suite", "verify"}
 TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 # What may be told of besides softbed; never run here.
 OTHERS = {"make", "python", "python3", "pip", ".venv/bin/pip", "dask"}
@@ -63,6 +65,7 @@ def run_shell(block: Block, place: Path) -> None:
             assert program != "make" or set(words) <= TARGETS
             assert block.parsed_only or program == "make"
         if program == "softbed" and not block.parsed_only:
+            assert words[0] not in LONG, f"line {block.line}: mark it <!-- parsed only: how long it takes -->"
             assert run_command([small_scene(word, place) for word in words]) == block.exit_status, " ".join(
                 words
             )
