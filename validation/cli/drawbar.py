@@ -71,8 +71,19 @@ def drawbar(
     ] = None,
     ranges: Annotated[
         bool,
-        typer.Option("--range", help="Also over the range of what is assumed, rigid wheels, four loads."),
+        typer.Option(
+            "--range",
+            help="Also over the range of what is assumed, rigid wheels, three loads: range.csv.",
+        ),
     ] = False,
+    repeats: Annotated[
+        int,
+        typer.Option(
+            min=1,
+            metavar="N",
+            help="Measure each curve so often, its history a little another each time: the maxima's chance.",
+        ),
+    ] = 1,
     processes: Annotated[
         int | None,
         typer.Option(min=1, metavar="N", help="One curve each.  [default: every core]", show_default=False),
@@ -85,7 +96,8 @@ def drawbar(
 
     Carried out again, it measures only what is missing.
     """
-    from validation.drawbar.curve import orders_of
+    from validation.drawbar.chance import chance_table, write_chance
+    from validation.drawbar.curve import orders_of, repeated
     from validation.drawbar.document import drawbar_document, drawbar_table, ratio_lines
     from validation.drawbar.experiment import carry_out
     from validation.drawbar.files import write_range, write_results
@@ -103,16 +115,20 @@ def drawbar(
         speed=speed,
         soil=soil,
     )
-    varied = varied_orders(vehicle, gait or _GAITS) if ranges else []
+    more = repeated(orders, repeats) + (varied_orders(vehicle, gait or _GAITS) if ranges else [])
     with terminal.working():
-        every = carry_out(orders + varied, out, processes=processes, overwrite=overwrite, terminal=terminal)
-        curves = [curve for curve in every if not curve.order.variation]
+        every = carry_out(orders + more, out, processes=processes, overwrite=overwrite, terminal=terminal)
+        curves = [curve for curve in every if curve.order in orders]
+        again = [curve for curve in every if not curve.order.variation]
         files = write_results(curves, out, film=film, glass=glass or (), terminal=terminal)
     terminal.show(drawbar_table(curves))
     if ranges:
         over_range = [curve for curve in every if curve.order.variation]
         terminal.show(range_table(over_range))
         files.append(write_range(over_range, out / "range.csv"))
+    if repeats > 1:
+        terminal.show(chance_table(again))
+        files.append(write_chance(again, out / "chance.csv"))
     if lines := ratio_lines(curves):
         terminal.show(lines)
     terminal.show(", ".join(str(file) for file in files))

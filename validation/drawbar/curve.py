@@ -1,7 +1,7 @@
 """A curve of travel reduction against drawbar pull: what to measure, and what was measured."""
 
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, field
+from dataclasses import asdict, dataclass, field, replace
 from typing import Any
 
 from synth.rover.drawbar import DrawbarPoint, LoadSteps
@@ -19,6 +19,8 @@ GRAIN_LOADS = (0.08, 0.16, 0.24)
 """Drawbar pulls over weight that take it some minutes."""
 GRAIN_SPEED = 0.18
 """m/s of the rim: three times the rover's, so that it takes a third of the time."""
+REPEAT_CHANGE = 0.004
+"""Of the rim's speed from one repeat to the next: nothing that soil or vehicle feel, but another history."""
 COARSE_STEPS = {"rolling": 0.012, "inching": 0.016}
 """Steps of drawbar pull over weight; an inching cycle takes longer than half a metre of rolling."""
 
@@ -44,6 +46,8 @@ class CurveOrder:
         File that `softbed identify` wrote; None: loose GRC-1 by published values.
     variation : str
         Name of what is changed of what is assumed, in `validation.drawbar.variation`; empty: nothing.
+    repeat : int
+        Number of the repeat, from 0; the rim's speed differs by `REPEAT_CHANGE` from one to the next.
     """
 
     vehicle: str
@@ -55,11 +59,18 @@ class CurveOrder:
     time_step: float | None = None
     soil: str | None = None
     variation: str = ""
+    repeat: int = 0
+
+    @property
+    def rim_speed(self) -> float:
+        """Of this repeat, m/s."""
+        return self.speed * (1 + REPEAT_CHANGE * self.repeat)
 
     @property
     def name(self) -> str:
         """Names its file."""
-        what = (self.gait, self.wheel, self.law, self.variation)
+        repeat = f"repeat-{self.repeat}" if self.repeat else ""
+        what = (self.gait, self.wheel, self.law, self.variation, repeat)
         return "-".join(part for part in what if part)
 
     @property
@@ -120,6 +131,11 @@ def orders_of(
         for wheel in wheels or (["rigid"] if grains else WHEELS)
         for gait in gaits
     ]
+
+
+def repeated(orders: Sequence[CurveOrder], count: int) -> list[CurveOrder]:
+    """The same orders again, until each is there `count` times; without the first ones."""
+    return [replace(order, repeat=repeat) for repeat in range(1, count) for order in orders]
 
 
 @dataclass(frozen=True)

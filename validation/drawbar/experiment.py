@@ -91,9 +91,9 @@ def measure(order: CurveOrder, begun: Begun | None = None) -> Iterator[Begun]:
     if order.variation:
         variation = find_variation(order.variation)
         variation.on_vehicle(vehicle)
-        gait = variation.gait(order.gait, vehicle, order.speed)
+        gait = variation.gait(order.gait, vehicle, order.rim_speed)
     else:
-        gait = make_gait(order.gait, vehicle, speed=order.speed)
+        gait = make_gait(order.gait, vehicle, speed=order.rim_speed)
     cycles = 1 if order.law == GRAINS else CYCLES  # a bin has an end
     test = DrawbarTest(vehicle, law_of(order), gait, time_step=order.time_step, cycles=cycles)
     points = [] if begun is None else list(begun.curve.points)
@@ -149,10 +149,10 @@ def _grain_scene() -> "SoilBinScene":
 
 
 def _longest_first(orders: Sequence[CurveOrder]) -> list[CurveOrder]:
-    """What is varied comes after the rest, both gaits of a variation together."""
+    """What is varied or repeated comes after the rest, both gaits of a variation together."""
 
     def rank(order: CurveOrder) -> int:
-        return 2 if order.variation else int(order.gait != "inching")
+        return 2 if order.variation or order.repeat else int(order.gait != "inching")
 
     return sorted(orders, key=rank)
 
