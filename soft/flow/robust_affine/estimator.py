@@ -104,7 +104,7 @@ def _solve(
         models = _mended(pair, models, chosen)
     models = carried_outwards(models, pair.usable > 0, mask)
     step = chosen.step
-    sigma = standard_deviation(chosen, models[::step, ::step], options.preset)
+    sigma = standard_deviation(chosen, models[::step, ::step], options.preset, pair.stretch)
     sigma = widen_at_rim(repeated(sigma, step, pair.shape), mask)
     return _told(models, mask, sigma)
 

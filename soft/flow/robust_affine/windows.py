@@ -328,6 +328,8 @@ class Chosen:
         How far the smallest and a middling window's fits lie apart beyond what noise makes likely, px.
     step : int
         From place to place, px.
+    sizes : tuple of float
+        The windows' standard deviations, px.
     """
 
     models: np.ndarray
@@ -336,6 +338,7 @@ class Chosen:
     excess: np.ndarray
     jump: np.ndarray
     step: int
+    sizes: tuple[float, ...]
 
     def spread(self, shape: tuple[int, int]) -> np.ndarray:
         """Models of all of a picture of that shape: (H, W, 6) float32."""
@@ -390,4 +393,5 @@ def choose(
         if level == _MIDDLING:
             apart = np.abs(motions - smallest) - 3 * np.sqrt(smallest_variance)
             np.maximum(apart[:, :, 0], apart[:, :, 1], out=jump)
-    return Chosen(models, variance, level_of, excess, jump, step)
+    sizes = tuple(window.sigma for window in windows)
+    return Chosen(models, variance, level_of, excess, jump, step, sizes)
