@@ -88,7 +88,9 @@ def landing(forward: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     height, width = forward.shape[:2]
     x = np.arange(width, dtype=np.float32) + forward[:, :, 0]
     y = np.arange(height, dtype=np.float32)[:, None] + forward[:, :, 1]
-    return np.nan_to_num(x, nan=-1.0), np.nan_to_num(y, nan=-1.0)
+    for place in (x, y):
+        place[np.isnan(place)] = -1
+    return x, y
 
 
 def landed(forward: np.ndarray) -> np.ndarray:

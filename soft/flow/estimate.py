@@ -123,6 +123,9 @@ def has_texture(picture: np.ndarray) -> np.ndarray:
     import cv2
 
     window = np.ones((TEXTURE_WINDOW, TEXTURE_WINDOW), np.uint8)
+    whole = picture.astype(np.uint8)
+    if np.array_equal(whole, picture):  # several times as fast
+        picture = whole
     return cv2.dilate(picture, window) - cv2.erode(picture, window) >= TEXTURE_RANGE
 
 

@@ -104,5 +104,9 @@ def _as_float(values: np.ndarray, copy: bool) -> np.ndarray:
 
 
 def _set_nan(values: np.ndarray, valid: np.ndarray) -> None:
-    if not valid.all():
-        values[~valid] = np.nan
+    if valid.all():
+        return
+    if values.flags.c_contiguous:  # each pixel's two or four numbers as one: several times as fast
+        kind = np.complex64 if values[0, 0].size == 2 else np.complex128
+        values = values.reshape(*valid.shape, -1).view(kind)[:, :, 0]
+    values[~valid] = np.full(4, np.nan, np.float32).view(values.dtype)[0]

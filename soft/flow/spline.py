@@ -18,8 +18,10 @@ def spline_coefficients(picture: np.ndarray) -> np.ndarray:
 
 def grey_and_slopes(picture: np.ndarray) -> np.ndarray:
     """Grey level of every pixel and its slopes along x and y, those of the spline: (H, W, 3) float32."""
+    import cv2
+
     own = spline_coefficients(picture)
-    return np.dstack([picture, _filtered(own, _SLOPE, _SMOOTH), _filtered(own, _SMOOTH, _SLOPE)])
+    return cv2.merge([picture, _filtered(own, _SLOPE, _SMOOTH), _filtered(own, _SMOOTH, _SLOPE)])
 
 
 def _filtered(picture: np.ndarray, along_x: np.ndarray, along_y: np.ndarray) -> np.ndarray:

@@ -24,7 +24,15 @@ from soft.flow.field import FlowField
 from soft.flow.options import require_choice, require_flag, require_number
 from soft.flow.robust_affine.brightness import PicturePair
 from soft.flow.robust_affine.edges import mend
-from soft.flow.robust_affine.rim import BLURRED, DOUBTFUL, MARGIN, carried_outwards, join, shrunk
+from soft.flow.robust_affine.rim import (
+    BLURRED,
+    DOUBTFUL,
+    MARGIN,
+    carried_outwards,
+    carry_outwards,
+    join,
+    shrunk,
+)
 from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, fit_rest, repeated, spread
@@ -99,22 +107,48 @@ def _solve(
         chosen = _chosen(pair, models, _WINDOWS, options)
     else:
         chosen = _chosen(thin, models, _FEW_CALM_WINDOWS if pair.noisy else _FEW_WINDOWS, options)
-    models = chosen.spread(pair.shape)
+    told = _Told.of(mask.shape)
     if options.edges:
-        models = _mended(pair, models, chosen)
-    models = carried_outwards(models, pair.usable > 0, mask)
-    step = chosen.step
-    sigma = standard_deviation(chosen, models[::step, ::step], options.preset, pair.stretch)
-    sigma = widen_at_rim(repeated(sigma, step, pair.shape), mask)
-    return _told(models, mask, sigma)
+        models = _mended(pair, chosen.spread(pair.shape), chosen)
+        models = carried_outwards(models, pair.usable > 0, mask)
+        told.take(models)
+        models = models[:: chosen.step, :: chosen.step]
+    else:
+        told.take_chosen(chosen)
+        carry_outwards(told.displacement, told.gradient, pair.usable > 0, mask)
+        models = chosen.models
+    sigma = standard_deviation(chosen, models, options.preset, pair.stretch)
+    return told.field(mask, widen_at_rim(repeated(sigma, chosen.step, pair.shape), mask))
 
 
-def _told(models: np.ndarray, mask: np.ndarray, sigma: np.ndarray) -> FlowField:
-    from soft.flow.robust_affine import window_kernels as kernels
+@dataclass(frozen=True, eq=False)
+class _Told:
+    """What a field holds: displacement (H, W, 2) and gradient (H, W, 4), float32."""
 
-    displacement, gradient = (np.empty((*mask.shape, channels), np.float32) for channels in (2, 4))
-    kernels.tell(models, displacement, gradient)
-    return FlowField(displacement, mask, sigma, gradient.reshape(*mask.shape, 2, 2), copy=False)
+    displacement: np.ndarray
+    gradient: np.ndarray
+
+    @classmethod
+    def of(cls, shape: tuple[int, ...]) -> "_Told":
+        """Not filled yet."""
+        return cls(np.empty((*shape, 2), np.float32), np.empty((*shape, 4), np.float32))
+
+    def take(self, models: np.ndarray) -> None:
+        """From models of every pixel."""
+        from soft.flow.robust_affine import window_kernels as kernels
+
+        kernels.tell(models, self.displacement, self.gradient)
+
+    def take_chosen(self, chosen: Chosen) -> None:
+        """From those of chosen windows, blended."""
+        from soft.flow.robust_affine import window_kernels as kernels
+
+        kernels.tell_spread(chosen.models, chosen.step, self.displacement, self.gradient)
+
+    def field(self, mask: np.ndarray, sigma: np.ndarray) -> FlowField:
+        """Valid where the mask is."""
+        gradient = self.gradient.reshape(*mask.shape, 2, 2)
+        return FlowField(self.displacement, mask, sigma, gradient, copy=False)
 
 
 def _approached(pair: PicturePair, models: np.ndarray) -> np.ndarray:

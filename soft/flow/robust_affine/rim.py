@@ -7,6 +7,7 @@ carried over from within. The outermost ones are not used even then, for an impl
 them; but they are looked at, since they show best that what lies beyond moves otherwise.
 """
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -77,11 +78,36 @@ def join(
 
 def carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -> np.ndarray:
     """Models of what is to be measured but not to be used, from the nearest pixel that was used."""
-    import cv2
-
     rim = mask & ~usable
     if not (rim.any() and usable.any()):
         return models
+    carried = models.copy()
+    carried[rim] = _handed(usable, rim, lambda rows, columns: models[rows, columns])
+    return carried
+
+
+def carry_outwards(
+    displacement: np.ndarray, gradient: np.ndarray, usable: np.ndarray, mask: np.ndarray
+) -> None:
+    """Do the same to displacements (H, W, 2) and gradients (H, W, 4), in place."""
+    rim = mask & ~usable
+    if not (rim.any() and usable.any()):
+        return
+
+    def models(rows: np.ndarray, columns: np.ndarray) -> np.ndarray:
+        own, slopes = displacement[rows, columns], gradient[rows, columns]
+        return np.concatenate([own[:, :1], slopes[:, :2], own[:, 1:], slopes[:, 2:]], axis=1)
+
+    handed = _handed(usable, rim, models)
+    displacement[rim], gradient[rim] = handed[:, ::3], handed[:, [1, 2, 4, 5]]
+
+
+def _handed(
+    usable: np.ndarray, rim: np.ndarray, models: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> np.ndarray:
+    """Models (P, 6) for the rim's pixels: those at the nearest usable ones, carried over."""
+    import cv2
+
     _, labels = cv2.distanceTransformWithLabels(
         (~usable).astype(np.uint8), cv2.DIST_L2, 5, labelType=cv2.DIST_LABEL_PIXEL
     )
@@ -89,8 +115,7 @@ def carried_outwards(models: np.ndarray, usable: np.ndarray, mask: np.ndarray) -
     source[labels[usable]] = np.argwhere(usable)
     places, nearest = np.argwhere(rim), source[labels[rim]]
     down, right = (places - nearest).T.astype(np.float32)
-    carried, handed = models.copy(), models[nearest[:, 0], nearest[:, 1]]
+    handed = models(nearest[:, 0], nearest[:, 1])
     for k in (0, 3):
         handed[:, k] += handed[:, k + 1] * right + handed[:, k + 2] * down
-    carried[rim] = handed
-    return carried
+    return handed

@@ -91,12 +91,12 @@ def standard_deviation(chosen: Chosen, models: np.ndarray, preset: str, stretch:
 
     by_noise = _NOISE + told(factors.hidden) * _bending(chosen, told(chosen.sizes))
     by_noise += (stretch - 1) * told(factors.stretched)
-    mended = (models - chosen.models)[:, :, ::3]
-    return np.sqrt(
-        by_noise[:, :, None] * chosen.variance
-        + told(factors.excess)[:, :, None] * np.maximum(_mean_excess(chosen), 0)
-        + told(factors.mended)[:, :, None] * _averaged(mended * mended, _NEARBY / chosen.step)
-    )
+    variance = by_noise[:, :, None] * chosen.variance
+    variance += told(factors.excess)[:, :, None] * np.maximum(_mean_excess(chosen), 0)
+    if any(factors.mended):
+        mended = (models - chosen.models)[:, :, ::3]
+        variance += told(factors.mended)[:, :, None] * _averaged(mended * mended, _NEARBY / chosen.step)
+    return np.sqrt(variance)
 
 
 def widen_at_rim(sigma: np.ndarray, mask: np.ndarray) -> np.ndarray:

@@ -255,6 +255,17 @@ def tell(models: Channels, displacement: Channels, gradient: Channels):
 
 
 @ti.kernel
+def tell_spread(at_nodes: Channels, stride: ti.i32, displacement: Channels, gradient: Channels):
+    """The same, from models told at nodes `stride` px apart."""
+    for row, column in ti.ndrange(displacement.shape[0], displacement.shape[1]):
+        model = blended(at_nodes, stride, row, column, 1)
+        for i in ti.static(range(2)):
+            displacement[row, column, i] = model[3 * i]
+            for j in ti.static(range(2)):
+                gradient[row, column, 2 * i + j] = model[3 * i + 1 + j]
+
+
+@ti.kernel
 def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
     """Every place's model from those told at nodes."""
     for row, column in ti.ndrange(models.shape[0], models.shape[1]):
