@@ -96,7 +96,8 @@ def _solve(
     coarse = seed(first, second, quick=options.preset == "fast")
     pair = PicturePair.calmed(first, second, shrunk(mask, MARGIN), coarse, _THIN)
     deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
-    thin, trusted = pair.thinned(_THIN), pair.only(inner).thinned(_THIN)
+    thin = pair.thinned(_THIN)
+    trusted = thin.only(inner[::_THIN, ::_THIN])
     accurate = options.preset == "accurate"
     if accurate:
         coarse = _approached(trusted, coarse)

@@ -49,7 +49,7 @@ FACTORS = {
         mended=(0.52, 0.52, 0.37, 0.37, 0.37),
     ),
     "fast": Factors(
-        hidden=(2.5, 2.25, 1.9), stretched=(0.0, 3.1, 1.35), excess=(3.8, 2.15, 0.0), mended=(0.0, 0.0, 0.0)
+        hidden=(2.05, 2.8, 2.4), stretched=(0.55, 3.9, 0.85), excess=(0.13, 2.9, 0.0), mended=(0.0, 0.0, 0.0)
     ),
 }
 _NOISE = 0.1

@@ -180,7 +180,10 @@ class Fit:
 
 def repeated(values: np.ndarray, step: int, shape: tuple[int, int]) -> np.ndarray:
     """Values of every `step`-th pixel each way for all of a picture of that shape: the upper left one's."""
-    return values.repeat(step, axis=0).repeat(step, axis=1)[: shape[0], : shape[1]]
+    height, width, *channels = values.shape
+    squares = np.empty((height, step, width, step, *channels), values.dtype)
+    squares[...] = values[:, None, :, None]
+    return squares.reshape(height * step, width * step, *channels)[: shape[0], : shape[1]]
 
 
 def spread(at_nodes: np.ndarray, stride: int, shape: tuple[int, int], step: int = 1) -> np.ndarray:
