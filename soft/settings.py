@@ -1,10 +1,11 @@
 """Settings of an analysis, as a TOML file holds them: every key documented, unknown ones refused."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError, model_validator
+
+from soft.toml_file import read_toml
 
 Positive = Annotated[float, Field(gt=0, allow_inf_nan=False)]
 Point = tuple[float, float]
@@ -148,10 +149,10 @@ class AnalysisSettings(_Table):
         """
         path = Path(path)
         try:
-            table = tomllib.loads(path.read_text(encoding="utf-8"))
+            table = read_toml(path)
         except FileNotFoundError:
             raise SettingsError(f"{path}: no such file") from None
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+        except (OSError, ValueError) as error:
             raise SettingsError(f"{path}: not a TOML file: {error}") from error
         for section, key in (("calibration", "lens"), ("soil", "masks")):
             if isinstance(table.get(section), dict) and isinstance(table[section].get(key), str):

@@ -143,7 +143,7 @@ def read_soil_flow(path: str | Path) -> "xarray.Dataset":
     try:
         # Not kept in memory, as a sequence may be larger; nor is a unit of time turned into a date.
         flow = xarray.open_dataset(path, engine=ENGINE, cache=False, decode_times=False)
-    except (OSError, ValueError) as error:
+    except Exception as error:  # xarray raises whatever the damage leads to
         raise SoilFlowError(f"{path}: not a readable netCDF-4 file") from error
     try:
         flow = flow.set_coords([name for name in COORDINATES if name in flow])

@@ -9,6 +9,7 @@ from typing import Any
 
 from synth.devices import cache_folder
 from synth.locks import sole_maker
+from synth.text_files import read_json
 
 
 def cached(kind: str, made_from: Mapping[str, Any], compute: Callable[[], Any]) -> Any:
@@ -37,7 +38,7 @@ def cached(kind: str, made_from: Mapping[str, Any], compute: Callable[[], Any]) 
 def _read(path: Path) -> dict[str, Any] | None:
     """A document; None where it is not there, or damaged."""
     try:
-        document = json.loads(path.read_text(encoding="utf-8"))
+        document = read_json(path)
     except (OSError, ValueError):
         return None
     return document if isinstance(document, dict) and "value" in document else None

@@ -6,7 +6,7 @@ import re
 import shutil
 from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 
 # HDF5 says it in a paragraph, within an error of any kind.
 _HDF5_REASON = re.compile(r"errno = (\d+)")
@@ -28,6 +28,12 @@ def require_space(path: Path, size: int) -> None:
     """
     if shutil.disk_usage(path.parent).free < size + ROOM:
         raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC), str(path))
+
+
+def is_inside(name: str) -> bool:
+    """Whether a path that a file names stays within a folder that it is looked for in."""
+    path = PurePosixPath(name)
+    return bool(name) and not path.is_absolute() and ".." not in path.parts and "\0" not in name
 
 
 @contextmanager

@@ -1,11 +1,12 @@
 """Footage on disk: pictures, what is needed to measure in them, and the truth about their motion."""
 
-import tomllib
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Self
 
+from synth.disk import is_inside
 from synth.png import png_bytes
+from synth.text_files import read_toml
 
 if TYPE_CHECKING:
     import numpy as np
@@ -130,7 +131,7 @@ class Footage:
         chosen = self._truth.isel(pair=_checked(pair, self.pair_count, "pair"))
         try:
             return chosen.load()
-        except OSError as error:
+        except Exception as error:  # xarray raises whatever the damage leads to
             raise ValueError(f"{self.folder / 'truth.nc'}: pair {pair} is damaged: {error}") from None
 
     def close(self) -> None:
@@ -152,10 +153,10 @@ def _checked(index: int, count: int, what: str) -> int:
 
 def _read_sequence(path: Path) -> dict[str, Any]:
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = read_toml(path)
     except OSError as error:
         raise ValueError(f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise ValueError(f"{path}: not TOML: {error}") from None
     if set(tables) != _KEYS:
         raise ValueError(f"{path}: keys missing or unknown: {', '.join(sorted(set(tables) ^ _KEYS))}")
@@ -168,6 +169,9 @@ def _read_sequence(path: Path) -> dict[str, Any]:
     names = tables["frames"]
     if not isinstance(names, list) or len(names) < 2 or not all(isinstance(name, str) for name in names):
         raise ValueError(f"{path}: frames: a list of two or more file names is needed")
+    for name in names:
+        if not is_inside(name):
+            raise ValueError(f"{path}: frames: {name!r}: must lie inside the folder")
     return tables
 
 
@@ -181,7 +185,7 @@ def _open_truth(path: Path, frame_count: int) -> "xr.Dataset":
         raise ValueError(f"{path}: no such file")
     try:
         truth = xr.open_dataset(path, engine="h5netcdf", decode_timedelta=False)
-    except (OSError, ValueError, KeyError) as error:
+    except Exception as error:  # xarray raises whatever the damage leads to
         raise ValueError(f"{path}: not readable as netCDF-4: {error}") from None
     complaint = None
     if truth.attrs.get("schema_version") != TRUTH_VERSION:

@@ -136,7 +136,7 @@ def _opened(path: str | Path) -> Iterator["xr.Dataset"]:
         data = xr.open_dataset(path, engine="h5netcdf", cache=False)
     except FileNotFoundError:
         raise
-    except (OSError, ValueError, KeyError) as error:
+    except Exception as error:  # xarray raises whatever the damage leads to
         raise ValueError(f"{path}: not a recording: {error}") from None
     with data:
         if data.attrs.get("schema_version") != SCHEMA_VERSION:
@@ -199,7 +199,7 @@ class Recording:
         with _opened(path) as data:
             try:
                 return cls(data.load())
-            except (OSError, ValueError, KeyError) as error:
+            except Exception as error:
                 raise ValueError(f"{path}: not a recording: {error}") from None
 
     @classmethod

@@ -3,7 +3,6 @@
 import hashlib
 import json
 import math
-import tomllib
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
@@ -24,6 +23,7 @@ from synth.implements import CompliantWheel, Implement, Plate
 from synth.scene_files import scene_names, scenes_folder, soil_names, study_scene_names
 from synth.soil import Soil, SoilFile
 from synth.table import Table, kinds_of
+from synth.text_files import read_toml
 
 SCHEMA_VERSION = 1
 GRAVITY = 9.81
@@ -441,10 +441,10 @@ def _find(name_or_path: str | Path) -> Path:
 
 def _read_toml(path: Path) -> dict[str, Any]:
     try:
-        return tomllib.loads(path.read_text(encoding="utf-8"))
+        return read_toml(path)
     except OSError as error:
         raise SceneError(f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise SceneError(f"{path}: not TOML: {error}") from None
 
 

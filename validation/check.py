@@ -1,12 +1,13 @@
 """Whether a run folder or a footage folder is whole: hashes first, then what the files say."""
 
 import json
-import tomllib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+from synth.disk import is_inside
+from synth.text_files import read_json, read_toml
 from validation.manifest import MANIFEST_FILE, Manifest, RunFolderError, file_digest
 from validation.material import SEQUENCE_FILE, TRUTH_FILE
 
@@ -139,7 +140,9 @@ def wrong_hashes(
     """Files that are not what their SHA-256 says, and what is wrong with them."""
     for done, (name, digest) in enumerate(sorted(digests.items()), start=1):
         path = folder / name
-        if not path.is_file():
+        if not is_inside(name):
+            yield name, "not inside the folder: not looked at"
+        elif not path.is_file():
             yield name, "missing"
         elif path.stat().st_size == 0:
             yield name, "empty"
@@ -165,9 +168,9 @@ def _why_unreadable(path: Path) -> str | None:
             with Image.open(path) as picture:
                 picture.load()
         elif path.suffix == ".json":
-            json.loads(path.read_text(encoding="utf-8"))
+            read_json(path)
         elif path.suffix == ".toml":
-            tomllib.loads(path.read_text(encoding="utf-8"))
+            read_toml(path)
     except (OSError, ValueError, KeyError, RuntimeError, SyntaxError) as error:
         return f"not readable ({path.stat().st_size} bytes; cut short?): {without(error, path)}"
     return None

@@ -1,10 +1,10 @@
 """Whether a data set is whole: hashes of every file, then what its tables and its sequences say."""
 
 import csv
-import json
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
+from synth.text_files import read_json
 from validation.check import Fault, Findings, footage_faults, strangers, without, wrong_hashes
 from validation.manifest import MANIFEST_FILE
 
@@ -14,7 +14,7 @@ def is_data_set(folder: Path) -> bool:
     from synth.dataset.summary import KIND
 
     try:
-        manifest = json.loads((folder / MANIFEST_FILE).read_text(encoding="utf-8"))
+        manifest = read_json(folder / MANIFEST_FILE)
     except (OSError, ValueError):
         return False
     return isinstance(manifest, dict) and manifest.get("kind") == KIND
@@ -65,12 +65,16 @@ def _sequence_faults(folder: Path, name: str) -> Iterator[str]:
 
 def _digest_faults(folder: Path) -> list[Fault]:
     """Whether the manifest's hash is that of the values that its sequences say they have."""
-    from synth.dataset.folder import DataSetFolder
+    from synth.dataset.folder import DataSetError, DataSetFolder
     from synth.dataset.summary import data_set_digest, read_facts, read_manifest
 
     place = DataSetFolder(folder)
-    manifest, made = read_manifest(place), sorted(path.name for path in (folder / "sequences").glob("*"))
-    if manifest is None or manifest["digest"] == data_set_digest({n: read_facts(place, n) for n in made}):
+    made = sorted(path.name for path in (folder / "sequences").glob("*"))
+    try:
+        manifest, facts = read_manifest(place), {name: read_facts(place, name) for name in made}
+    except DataSetError as error:
+        return [Fault("sequences", without(error, folder))]
+    if manifest is None or manifest["digest"] == data_set_digest(facts):
         return []
     return [Fault(MANIFEST_FILE, "digest: not that of the sequences that are there")]
 
@@ -80,8 +84,11 @@ def _not_made(folder: Path) -> list[str]:
     path = folder / "failures.csv"
     if not path.is_file():
         return []
-    with path.open(newline="", encoding="utf-8") as file:
-        return [
-            f"not made: {row['name'] or 'a point'}: {row['stage']}: {row['reason']}"
-            for row in csv.DictReader(file)
-        ]
+    try:
+        with path.open(newline="", encoding="utf-8") as file:
+            return [
+                f"not made: {row['name'] or 'a point'}: {row['stage']}: {row['reason']}"
+                for row in csv.DictReader(file)
+            ]
+    except (KeyError, ValueError, csv.Error) as error:
+        return [f"failures.csv: not a table of failures: {error}"]

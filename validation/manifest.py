@@ -7,6 +7,8 @@ from typing import Any, Literal, Self
 
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
+from synth.text_files import read_json
+
 SCHEMA_VERSION = 1
 MANIFEST_FILE = "manifest.json"
 
@@ -54,7 +56,7 @@ class Manifest(_Record):
         """
         path = folder / MANIFEST_FILE
         try:
-            content = json.loads(path.read_text(encoding="utf-8"))
+            content = read_json(path)
         except FileNotFoundError:
             raise RunFolderError(f"{folder}: not a run folder: it holds no {MANIFEST_FILE}") from None
         except ValueError as error:

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from synth.text_files import read_json
 from validation.averaging import AveragingScore
 from validation.camera import CameraScore, camera_of
 from validation.metrics import ErrorSummary, ErrorTally
@@ -98,13 +99,15 @@ class Scores:
             Not scores, or of another schema version.
         """
         try:
-            content = json.loads(Path(path).read_text(encoding="utf-8"))
+            content = read_json(Path(path))
             if content["schema_version"] != SCHEMA_VERSION:
                 version = content["schema_version"]
                 raise ScoreError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
             methods = {name: _method_from(table) for name, table in content["methods"].items()}
             return cls(content["scene"], content["seed"], content["quick"], methods, content["versions"])
-        except (KeyError, TypeError, json.JSONDecodeError) as error:
+        except ScoreError:
+            raise
+        except (KeyError, TypeError, AttributeError, ValueError) as error:
             raise ScoreError(f"{path}: not scores: {error}") from None
 
 

@@ -1,6 +1,5 @@
 """What a lens does to a picture: the pinhole camera with radial and tangential distortion (Brown, 1966)."""
 
-import tomllib
 from collections.abc import Iterable
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,6 +10,7 @@ import numpy as np
 from soft.calibration.board import Board
 from soft.calibration.error import CalibrationError
 from soft.sequence.resampling import Resampling
+from soft.toml_file import read_toml
 
 SCHEMA_VERSION = 1
 LEAST_VIEWS = 3
@@ -101,13 +101,13 @@ class Lens:
             If the file is missing, or no lens of this schema.
         """
         try:
-            table = tomllib.loads(Path(path).read_text(encoding="utf-8"))
+            table = read_toml(Path(path))
             return cls._from(table)
         except FileNotFoundError:
             raise CalibrationError(f"lens {path}: no such file") from None
         except KeyError as error:
             raise CalibrationError(f"lens {path}: not a lens of this program: {error} is missing") from None
-        except (UnicodeDecodeError, tomllib.TOMLDecodeError, TypeError, ValueError) as error:
+        except (TypeError, ValueError) as error:
             raise CalibrationError(f"lens {path}: not a lens of this program: {error}") from error
 
     @classmethod

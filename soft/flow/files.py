@@ -5,7 +5,6 @@ or several pairs each) have it at the nodes of a grid; what their numbers mean i
 `grid.toml` in the folder.
 """
 
-import tomllib
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
@@ -20,6 +19,7 @@ from soft.flow.grid_mat import count_grids, read_mat_grid
 from soft.flow.grid_text import read_text_grid
 from soft.flow.options import build_options, require_count
 from soft.natural_order import natural_key
+from soft.toml_file import read_toml
 
 PREFIX = "files:"
 KINDS = (".flo", ".csv", ".txt", ".mat")
@@ -141,8 +141,8 @@ class FlowFiles:
         if not path.is_file():
             return {}
         try:
-            return tomllib.loads(path.read_text(encoding="utf-8"))
-        except (OSError, UnicodeDecodeError, tomllib.TOMLDecodeError) as error:
+            return read_toml(path)
+        except (OSError, ValueError) as error:
             raise FlowError(f"{path}: not readable TOML: {error}") from error
 
 

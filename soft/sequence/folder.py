@@ -1,6 +1,5 @@
 """Frames that are picture files in a folder: a footage folder's, or all there are."""
 
-import tomllib
 from dataclasses import dataclass
 from pathlib import Path, PurePosixPath
 
@@ -11,6 +10,7 @@ from soft.sequence.error import SequenceError
 from soft.sequence.frames import require_two
 from soft.sequence.number import positive
 from soft.sequence.picture import PICTURE_SUFFIXES, is_picture, read_picture, require_same_shape, stored_shape
+from soft.toml_file import read_toml
 
 SEQUENCE_FILE = "sequence.toml"
 SCHEMA_VERSION = 1
@@ -98,8 +98,8 @@ def _pictures_in(folder: Path) -> list[Path]:
 def _read_sequence_file(path: Path) -> tuple[list[Path], float, float]:
     """Frame files, metres per pixel and frame rate from a `sequence.toml`."""
     try:
-        table = tomllib.loads(path.read_text(encoding="utf-8"))
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+        table = read_toml(path)
+    except ValueError as error:
         raise SequenceError(f"{path}: not valid TOML: {error}") from error
     for key in ("schema_version", "frame_rate", "metres_per_pixel", "frames"):
         if key not in table:

@@ -1,6 +1,7 @@
 """A data set read: its sequences by split, and their picture pairs with the true motion, as NumPy arrays."""
 
 import csv
+import re
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -18,6 +19,13 @@ if TYPE_CHECKING:
     from synth.scene import AnyScene
 
 _MASKS = ("valid", "soil", "implement", "mixed")
+_FORMS = {
+    "name": r"[0-9a-f]+",
+    "simulation": r"[0-9a-f]+",
+    "split": "|".join(SPLITS),
+    "frames": r"[1-9]\d{0,5}",
+}
+"""Of what `members.csv` says; names are folders, which exports make, too."""
 _OWN_COLUMNS = ("name", "split", "simulation", "status", "frames", "seconds", "bytes")
 
 
@@ -87,14 +95,22 @@ class SequenceOfPairs:
         ------
         IndexError
             No such pair.
+        DataSetError
+            It is damaged.
         """
+        if not 0 <= index < self.pair_count:
+            raise IndexError(f"pair = {index}: allowed are 0 to {self.pair_count - 1}")
+        try:
+            return self._read(index)
+        except Exception as error:  # HDF5's readers raise whatever the damage leads to
+            raise DataSetError(f"{self.folder}: pair {index} is damaged: {error}") from error
+
+    def _read(self, index: int) -> FlowPair:
         import h5netcdf
         import numpy as np
 
         from synth.footage import frame_name, read_picture
 
-        if not 0 <= index < self.pair_count:
-            raise IndexError(f"pair = {index}: allowed are 0 to {self.pair_count - 1}")
         first, second = (read_picture(self.folder / frame_name(index + step)) for step in (0, 1))
         with h5netcdf.File(self.folder / "truth.nc", "r") as truth:
             flow = np.stack([truth.variables[name][index] for name in ("u", "v")], axis=-1)
@@ -200,11 +216,14 @@ def load_data_set(folder: str | Path) -> DataSet:
         return DataSet(place.path, manifest, tuple(_sequence(place, row) for row in rows))
     except OSError as error:
         raise DataSetError(f"{error.filename}: {error.strerror}") from None
-    except (KeyError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, csv.Error) as error:
         raise DataSetError(f"{path}: not a table of members: {error}") from None
 
 
 def _sequence(place: DataSetFolder, row: dict[str, str]) -> SequenceOfPairs:
+    for key, form in _FORMS.items():
+        if not re.fullmatch(form, row[key]):
+            raise ValueError(f"{key} = {row[key]!r}: must be of the form {form}")
     return SequenceOfPairs(
         name=row["name"],
         split=row["split"],

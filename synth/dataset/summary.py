@@ -21,6 +21,7 @@ from synth.dataset.folder import (
 from synth.dataset.members import Failure, Membership
 from synth.dataset.sweep import SPLITS, Sweep
 from synth.dataset.versions import all_versions
+from synth.text_files import read_json
 
 if TYPE_CHECKING:
     from synth.scene import AnyScene
@@ -64,8 +65,25 @@ def write_summary(folder: DataSetFolder, told: Told) -> dict[str, Any]:
 
 
 def read_facts(folder: DataSetFolder, name: str) -> Facts:
-    """What is known of a member that is made: that of `sequence_facts`, and how it was made."""
-    return json.loads((folder.sequence(name) / FACTS_FILE).read_text(encoding="utf-8"))
+    """What is known of a member that is made: that of `sequence_facts`, and how it was made.
+
+    Raises
+    ------
+    DataSetError
+        It is damaged.
+    """
+    path = folder.sequence(name) / FACTS_FILE
+    try:
+        facts = read_json(path)
+        wanted = {"digest", "recording_digest", "frame_count", "bytes", "seconds"}
+        if not isinstance(facts, dict) or wanted - set(facts):
+            raise ValueError(f"{', '.join(sorted(wanted))} are needed")
+    except ValueError as error:
+        raise DataSetError(
+            f"{path}: not what is known of a sequence: {error}: remove its folder, and `softbed sweep` makes "
+            "it again"
+        ) from None
+    return facts
 
 
 def read_manifest(folder: DataSetFolder) -> dict[str, Any] | None:
@@ -80,17 +98,22 @@ def read_manifest(folder: DataSetFolder) -> dict[str, Any] | None:
     if not path.is_file():
         return None
     try:
-        manifest = json.loads(path.read_text(encoding="utf-8"))
+        manifest = read_json(path)
     except ValueError as error:
         raise DataSetError(f"{path}: not a manifest: {error}") from None
     if not isinstance(manifest, dict) or manifest.get("kind") != KIND:
         raise DataSetError(f"{folder.path}: not a data set: its {MANIFEST_FILE} is another's")
     version = manifest.get("schema_version")
+    versions = manifest.get("versions")
     if version != SCHEMA_VERSION:
-        made_by = manifest.get("versions", {}).get("softbed", "an unknown version")
+        made_by = versions.get("softbed") if isinstance(versions, dict) else "an unknown version"
         raise DataSetError(
             f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}: use softbed "
             f"{made_by}, which made it, or make it anew with `softbed sweep {folder.path}/sweep.toml OUT`"
+        )
+    if not isinstance(versions, dict) or not isinstance(manifest.get("digest"), str):
+        raise DataSetError(
+            f"{path}: damaged: versions or digest missing: remove it, and `softbed sweep` writes it anew"
         )
     return manifest
 

@@ -1,6 +1,5 @@
 """What a sweep is: a TOML file that says which keys of a scene are varied, and how."""
 
-import tomllib
 from pathlib import Path
 from typing import Annotated, Any, Literal, Self
 
@@ -9,6 +8,7 @@ from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 from synth.scene import AnyScene, SceneError, load_scene
 from synth.scene_files import scene_names, study_scene_names
 from synth.table import Table
+from synth.text_files import read_toml
 
 SCHEMA_VERSION = 1
 SPLITS = ("train", "validation", "test")
@@ -130,10 +130,10 @@ def load_sweep(path: str | Path) -> tuple[Sweep, AnyScene]:
     """
     path = Path(path)
     try:
-        tables = tomllib.loads(path.read_text(encoding="utf-8"))
+        tables = read_toml(path)
     except OSError as error:
         raise SweepError(f"{path}: {error.strerror}") from None
-    except (tomllib.TOMLDecodeError, UnicodeDecodeError) as error:
+    except ValueError as error:
         raise SweepError(f"{path}: not TOML: {error}") from None
     if isinstance(tables.get("vary"), dict):
         tables["vary"] = dict(_flat(tables["vary"]))

@@ -11,6 +11,7 @@ from pathlib import Path
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
+from synth.text_files import read_json
 from validation.drawbar.curve import GRAINS, Curve, CurveOrder
 from validation.drawbar.interrupted import Begun, find_begun, keep_begun
 from validation.drawbar.variation import find_variation
@@ -222,7 +223,7 @@ def _found(folder: Path, order: CurveOrder) -> Curve | None:
     path = folder / f"{order.name}.json"
     if not path.is_file():
         return None
-    told = json.loads(path.read_text(encoding="utf-8"))
+    told = read_json(path)
     if told.pop("made_by") != made_by(order):
         return None
     curve = Curve.from_dict(told)

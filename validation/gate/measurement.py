@@ -6,6 +6,7 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from synth.text_files import read_json
 from validation.manifest import file_digest, key_of
 from validation.score import score_pair
 from validation.strata import STRATA
@@ -86,7 +87,7 @@ class Measurement:
             There is none, it is damaged, or of another schema version.
         """
         try:
-            told = json.loads(path.read_text(encoding="utf-8"))
+            told = read_json(path)
             if told["schema_version"] != SCHEMA_VERSION:
                 version = told["schema_version"]
                 raise GateError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")

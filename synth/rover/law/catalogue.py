@@ -1,6 +1,5 @@
 """The laws there are, by name, with the soil of the published drawbar test."""
 
-import json
 import math
 from pathlib import Path
 from typing import Literal
@@ -9,6 +8,7 @@ from synth.rover.law.pressure_sinkage import BekkerLaw, BekkerSoil, ColumnLaw
 from synth.rover.law.response import SoilError, published_scale
 from synth.rover.law.rft import ResistiveForceLaw, ResistiveSoil
 from synth.rover.law.rim_law import RimLaw
+from synth.text_files import read_json
 
 LAW_NAMES = ("rft", "bwj", "scm")
 """Resistive force theory; Bekker-Wong-Janosi; the latter on vertical columns."""
@@ -108,7 +108,7 @@ def read_soil(path: str | Path) -> ResistiveSoil:
         The file has no such table, or not the constants of a `ResistiveSoil`.
     """
     try:
-        table = json.loads(Path(path).read_text(encoding="utf-8"))["soil"]
+        table = read_json(Path(path))["soil"]
         return ResistiveSoil(**table)
     except (ValueError, KeyError, TypeError) as error:
         raise SoilError(f"{path}: the table 'soil' of softbed identify is needed ({error})") from None

@@ -1,6 +1,5 @@
 """Drawbar pull of the rover, rolling and push-rolling (section 4.1.1, Fig. 17); where a rover is there."""
 
-import json
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
@@ -8,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from synth.text_files import read_json
 from validation.statistics import Interval
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found
@@ -36,7 +36,7 @@ def _tell(found: Found, variant: Variant) -> list[Told]:
 
 def read_maxima(path: Path) -> dict[str, float]:
     """Largest drawbar pull / weight of every gait on every wheel, where travel reduction reached 90 %."""
-    document: Mapping[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    document: Mapping[str, Any] = read_json(path)
     return {
         f"{curve['gait']}_{curve['wheel']}": float(curve["maximum"])
         for curve in document["curves"]
