@@ -4,6 +4,8 @@
 # make lint   style and types
 # make docs   the pages of docs/ as a site, in build/docs; a warning is an error
 # make figures   pictures of README and docs from kept tables; with LASTS=minutes or hours, the others, too
+# make coverage     the fast tests, and which lines they do not reach
+# make wheel-check  a wheel, installed elsewhere, does the main job and the gate
 # make clean  remove what these made
 #
 # The first of them makes .venv, which needs a package index; later ones work offline.
@@ -11,7 +13,7 @@
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: demo test gate lint docs figures clean install develop
+.PHONY: demo test gate lint docs figures coverage wheel-check clean install develop
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -49,6 +51,20 @@ docs: $(DOCUMENTED)
 figures: $(INSTALLED)
 	$(BIN)/python docs/make/figures.py $(LASTS)
 
+coverage: $(DEVELOPED)
+	$(BIN)/python -m pytest $(PYTEST_OPTIONS) -m "not slow" --cov --cov-report=term --cov-report=html:out/coverage
+	@echo "open $(abspath out/coverage)/index.html"
+
+# The folder it runs in is neither the checkout nor below it: what is missing in the wheel is missing there.
+wheel-check: $(BIN)/python
+	folder=$$(mktemp -d) && trap 'rm -rf "$$folder"' EXIT && set -e && \
+	$(BIN)/python -m pip wheel --quiet --disable-pip-version-check --no-deps -w "$$folder" . && \
+	"$(PYTHON)" -m venv "$$folder/venv" && \
+	"$$folder/venv/bin/python" -m pip install --quiet --disable-pip-version-check -c constraints.txt "$$folder"/softbed-*.whl && \
+	cp tests/validation/gate/robust-affine.json "$$folder" && cd "$$folder" && unset PYTHONPATH && \
+	venv/bin/softbed run rolling_wheel out --quick && \
+	venv/bin/softbed gate --method robust-affine --baseline robust-affine.json
+
 install: $(INSTALLED)
 
 develop: $(DEVELOPED)
@@ -72,4 +88,4 @@ $(DOCUMENTED): $(INSTALLED)
 	@touch $@
 
 clean:
-	rm -rf $(VENV) $(OUT) .pytest_cache .ruff_cache .mypy_cache build dist
+	rm -rf $(VENV) $(OUT) out/coverage .coverage .hypothesis .pytest_cache .ruff_cache .mypy_cache build dist
