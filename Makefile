@@ -1,12 +1,12 @@
-# make demo   the main job on the default scene: a scored report in out/demo
-# make test   the fast tests
-# make gate   whether robust-affine got worse than its baseline, on ten small clips
-# make lint   style and types
-# make docs   the pages of docs/ as a site, in build/docs; a warning is an error
-# make figures   pictures of README and docs from kept tables; with LASTS=minutes or hours, the others, too
-# make coverage     the fast tests, and which lines they do not reach
-# make wheel-check  a wheel, installed elsewhere, does the main job and the gate
-# make clean  remove what these made
+# make demo          the main job on the default scene: a scored report in out/demo
+# make test          the fast tests
+# make gate          whether robust-affine got worse than its baseline, on ten small clips
+# make lint          style and types
+# make docs          the pages of docs/ as a site, in build/docs; a warning is an error
+# make figures       pictures of README and docs from kept tables; with LASTS=minutes or hours, the others, too
+# make coverage      the fast tests, and which lines they do not reach
+# make wheel-check   a wheel, installed elsewhere, does the main job and the gate
+# make clean         remove what these made
 #
 # The first of them makes .venv, which needs a package index; later ones work offline.
 # PYTHON=/path/to/python chooses the interpreter.
