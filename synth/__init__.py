@@ -1,7 +1,17 @@
 """The virtual soil bin: scenes in, pictures and the truth about them out."""
 
 import importlib
-from typing import Any
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from synth.analytic.pair import PicturePair, picture_pair
+    from synth.footage import Footage
+    from synth.recording import Recording
+    from synth.rendering import render
+    from synth.scene import AnalyticScene, AnyScene, Scene, SceneError, load_scene
+    from synth.scene_files import scene_names
+    from synth.simulation import simulate
+    from synth.truth import true_motion
 
 _HOMES = {
     "AnalyticScene": "synth.scene",
@@ -18,7 +28,21 @@ _HOMES = {
     "simulate": "synth.simulation",
     "true_motion": "synth.truth",
 }
-__all__ = sorted(_HOMES)
+__all__ = [
+    "AnalyticScene",
+    "AnyScene",
+    "Footage",
+    "PicturePair",
+    "Recording",
+    "Scene",
+    "SceneError",
+    "load_scene",
+    "picture_pair",
+    "render",
+    "scene_names",
+    "simulate",
+    "true_motion",
+]
 
 
 def __getattr__(name: str) -> Any:

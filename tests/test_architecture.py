@@ -1,6 +1,7 @@
 """Which package may import which, and that nothing heavy is imported before it is needed."""
 
 import ast
+import importlib
 import subprocess
 import sys
 from pathlib import Path
@@ -65,3 +66,16 @@ def test_help_imports_nothing_heavy():
     )
     found = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
     assert found.stdout.splitlines()[-1] == "found"
+
+
+@pytest.mark.parametrize("package", ["soft", "synth"])
+def test_public_names_are_listed_found_and_known_to_type_checkers(package):
+    module = importlib.import_module(package)
+    tree = ast.parse((ROOT / package / "__init__.py").read_text(encoding="utf-8"))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    typed = [alias.name for node in block.body for alias in node.names]
+    assert sorted(typed) == sorted(module.__all__) == sorted(module._HOMES)
+    assert all(
+        getattr(module, name).__module__ for name in module.__all__ if name not in {"Scene", "AnyScene"}
+    )
+    assert (ROOT / package / "py.typed").is_file()

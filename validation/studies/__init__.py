@@ -22,6 +22,8 @@ STUDIES = {
 }
 """What each is about, by name."""
 
+__all__ = ["STUDIES", "find_study"]
+
 
 def find_study(name: str) -> "Study":
     """The study of that name.
