@@ -16,7 +16,7 @@ import taichi as ti
 
 from synth.camera import projection_kernels as projection
 from synth.camera.samples import rows_at_once
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import SHARES, TILES, dealt
 
 NOTHING = 2**31 - 1
 IMPLEMENT = -1
@@ -82,7 +82,7 @@ def cover_by_grains(sampling: int):
     ):
         for share in range((first.shape[0] - 1) * SHARES):
             if share % SHARES == 0:
-                t = share // SHARES
+                t = dealt(share // SHARES, first.shape[0] - 1, TILES)
                 _cover_tile(t, first, columns, place, key, tile, samples, centres, sampling, rows)
 
     return kernel
@@ -204,7 +204,7 @@ def cover_by_implement(
     for share in range((box[3] - box[1]) * SHARES):
         if share % SHARES != 0:
             continue
-        j = box[1] + share // SHARES
+        j = box[1] + dealt(share // SHARES, box[3] - box[1], 1)
         for i in range(box[0], box[2]):
             at = projection.undistorted(view, ti.cast(i - margin, ti.f64), ti.cast(j - margin, ti.f64))
             outline = away(at[0] - x, at[1] - y, parts)

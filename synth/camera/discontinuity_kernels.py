@@ -6,7 +6,7 @@ Tables of a picture's pixels throughout, (H, W).
 
 import taichi as ti
 
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import SHARES
 
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)

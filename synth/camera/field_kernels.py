@@ -8,7 +8,7 @@ gathers for its own points.
 
 import taichi as ti
 
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import SHARES, dealt
 from synth.camera.sight_kernels import behind, cells_around, grid_vector, outside, shape_vector
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
@@ -25,6 +25,8 @@ NOWHERE, FREE, CLOSE, BESIDE, INNER = 0, 1, 2, 3, 4
 """A node without a particle near, one with, one with a particle so close that every point around the node has
 it near, one beside the implement, whose value holds on its side only, and a close one with all around it free
 or close."""
+_RUN = 1024
+"""Points that a thread moves one after the other."""
 
 
 @ti.func
@@ -99,7 +101,7 @@ def blend_at_nodes(
     for share in range(state.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
-        j = share // SHARES
+        j = dealt(share // SHARES, state.shape[0], 1)
         for i in range(state.shape[1]):
             found = _blend(
                 left + i * spacing,
@@ -212,27 +214,31 @@ def carry(
 
     Nodes without a particle near do not count. A point without one is lost.
     """
-    per_spacing = 1.0 / spacing
-    for g in range(at_x.shape[0]):
-        p, q = at_x[g], at_z[g]
-        u, v, turn, lives = 0.0, 0.0, 0.0, False
-        s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
-        i, j = _rounded(s), _rounded(t)
-        if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
-            kind = state[j, i]
-            if kind == BESIDE:
-                found = _blend(p, q, affine, first, grid, shape, reach, parts)
-                u, v, turn, lives = found[0], found[1], found[2], found[4] >= 0.0
-            else:
-                blended = _spline(s, t, i, j, kind == INNER, value, nearest)
-                u, v, turn = blended[0], blended[1], blended[2]
-                lives = kind != FREE and kind != NOWHERE
-                if not lives:
-                    lives = _nearest_of(p, q, s, t, affine, nearest, reach) >= 0
-        if not lives:
-            u, v, turn = 0.0, 0.0, 0.0
-        next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
-        next_alive[g] = ti.cast(lives, ti.u8)
+    per_spacing, runs = 1.0 / spacing, (at_x.shape[0] + _RUN - 1) // _RUN
+    for share in range(runs * SHARES):
+        if share % SHARES != 0:
+            continue
+        start = dealt(share // SHARES, runs, 1) * _RUN
+        for g in range(start, ti.min(start + _RUN, at_x.shape[0])):
+            p, q = at_x[g], at_z[g]
+            u, v, turn, lives = 0.0, 0.0, 0.0, False
+            s, t = (p - left) * per_spacing, (q - bottom) * per_spacing
+            i, j = _rounded(s), _rounded(t)
+            if alive[g] == 1 and 1 <= i < state.shape[1] - 1 and 1 <= j < state.shape[0] - 1:
+                kind = state[j, i]
+                if kind == BESIDE:
+                    found = _blend(p, q, affine, first, grid, shape, reach, parts)
+                    u, v, turn, lives = found[0], found[1], found[2], found[4] >= 0.0
+                else:
+                    blended = _spline(s, t, i, j, kind == INNER, value, nearest)
+                    u, v, turn = blended[0], blended[1], blended[2]
+                    lives = kind != FREE and kind != NOWHERE
+                    if not lives:
+                        lives = _nearest_of(p, q, s, t, affine, nearest, reach) >= 0
+            if not lives:
+                u, v, turn = 0.0, 0.0, 0.0
+            next_x[g], next_z[g], next_angle[g] = p + u, q + v, angle[g] + turn
+            next_alive[g] = ti.cast(lives, ti.u8)
 
 
 @ti.kernel

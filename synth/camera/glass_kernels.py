@@ -7,7 +7,7 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import SHARES
 
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)

@@ -12,7 +12,7 @@ import taichi as ti
 from synth.camera import projection_kernels as projection
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING, box_vector, remainder
 from synth.camera.samples import rows_at_once
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import SHARES, dealt
 
 RIM = 0.05
 """Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""
@@ -68,7 +68,8 @@ def grain_radiance(sampling: int):
         across = (columns + TILES_AT_ONCE - 1) // TILES_AT_ONCE
         for share in range((first.shape[0] - 1) // columns * across * SHARES):
             if share % SHARES == 0:
-                row, left = share // SHARES // across, share // SHARES % across * TILES_AT_ONCE
+                n = dealt(share // SHARES, (first.shape[0] - 1) // columns * across, 1)
+                row, left = n // across, n % across * TILES_AT_ONCE
                 right = ti.min(left + TILES_AT_ONCE, columns)
                 for k in range(first[row * columns + left], first[row * columns + right]):
                     g = grain[k]
@@ -217,7 +218,7 @@ def implement_radiance(
     for share in range((box[3] - box[1]) * SHARES):
         if share % SHARES != 0:
             continue
-        row = box[1] + share // SHARES
+        row = box[1] + dealt(share // SHARES, box[3] - box[1], 1)
         _implement_row(
             row,
             samples,

@@ -9,7 +9,7 @@ import taichi as ti
 from synth.camera import projection_kernels as projection
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING, remainder
 from synth.camera.motion_kernels import BLOCK, body_vector, rigid_motion, spin
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import ROWS, SHARES, dealt
 
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _f32_fours = ti.types.ndarray(dtype=ti.types.vector(4, ti.f32), ndim=1)
@@ -43,7 +43,7 @@ def find_mixed(
     for share in range(mixed.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
-        j = share // SHARES + margin
+        j = margin + dealt(share // SHARES, mixed.shape[0], ROWS)
         for i in range(margin, margin + mixed.shape[1]):
             still = spread[j // BLOCK, i // BLOCK] < ti.f32(0.999) * limit
             if outside[j - margin, i - margin] < 2.0:

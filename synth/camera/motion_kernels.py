@@ -10,7 +10,7 @@ and downwards (px), its turn from x towards y (rad), and how far that moves its 
 import taichi as ti
 
 from synth.camera import projection_kernels as projection
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import ROWS, SHARES, TILES, dealt
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_pairs = ti.types.ndarray(dtype=ti.types.vector(2, ti.f64), ndim=2)
@@ -84,7 +84,7 @@ def grain_motions(
     for share in range((first.shape[0] - 1) * SHARES):
         if share % SHARES != 0:
             continue
-        t = share // SHARES
+        t = dealt(share // SHARES, first.shape[0] - 1, TILES)
         row, column = (t // columns) * across, (t % columns) * across
         least, most = ti.Vector([ti.f32(1e30)] * 4), ti.Vector([ti.f32(-1e30)] * 4)
         for k in range(first[t], first[t + 1]):
@@ -175,7 +175,7 @@ def soil_motion(
     for share in range(filled.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
-        j = share // SHARES
+        j = dealt(share // SHARES, filled.shape[0], ROWS)
         for i in range(filled.shape[1]):
             k = filled[j, i]
             nothing = ti.cast(ti.math.nan, ti.f32)
@@ -211,7 +211,7 @@ def implement_motion(
     for share in range(implement.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
-        j = share // SHARES
+        j = dealt(share // SHARES, implement.shape[0], 1)
         for i in range(implement.shape[1]):
             if implement[j, i] == 1:
                 at = projection.undistorted(view, ti.cast(i, ti.f64), ti.cast(j, ti.f64))

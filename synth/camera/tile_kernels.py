@@ -9,7 +9,7 @@ import taichi as ti
 
 from synth.camera import projection_kernels as projection
 from synth.camera.cover_kernels import quotient, remainder
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import SHARES
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)

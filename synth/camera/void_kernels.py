@@ -7,7 +7,7 @@ Coordinates and buffers as in `synth.camera.cover_kernels`.
 import taichi as ti
 
 from synth.camera.cover_kernels import IMPLEMENT, NOTHING, quotient, remainder
-from synth.camera.shares import SHARES
+from synth.camera.share_kernels import ROWS, SHARES, dealt
 
 _f32_table = ti.types.ndarray(dtype=ti.f32, ndim=2)
 _f32_pairs = ti.types.ndarray(dtype=ti.types.vector(2, ti.f32), ndim=2)
@@ -41,7 +41,7 @@ def fill_voids(
     for share in range(centres.shape[0] * SHARES):
         if share % SHARES != 0:
             continue
-        j = share // SHARES
+        j = dealt(share // SHARES, centres.shape[0], ROWS)
         for i in range(centres.shape[1]):
             key = centres[j, i]
             found, off_x, off_y = -1, ti.f32(0.0), ti.f32(0.0)
