@@ -21,7 +21,8 @@ def dealt_items(count, together, hands):
 
 
 @pytest.mark.parametrize(
-    ("count", "together", "hands"), [(600, 32, 2), (601, 1, 2), (7, 4, 2), (100, 3, 5), (1, 1, 16), (64, 8, 1)]
+    ("count", "together", "hands"),
+    [(600, 32, 2), (601, 1, 2), (7, 4, 2), (100, 3, 5), (1, 1, 16), (64, 8, 1)],
 )
 def test_every_item_has_one_turn(taichi, count, together, hands):
     np.testing.assert_array_equal(np.sort(dealt_items(count, together, hands)), np.arange(count))
