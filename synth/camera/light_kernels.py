@@ -18,6 +18,8 @@ RIM = 0.05
 """Height of a grain's rim / its radius: keeps the normal of a half sphere defined all the way out."""
 TILES_AT_ONCE = 4
 """In a row: wide enough to write long lines of light, and what they need fits a core's cache."""
+_DEALT = 3
+"""Of these dealt together: one by one, a thread might get the last of every row, which are smaller."""
 
 _f64 = ti.types.ndarray(dtype=ti.f64, ndim=1)
 _f64_table = ti.types.ndarray(dtype=ti.f64, ndim=2)
@@ -68,7 +70,7 @@ def grain_radiance(sampling: int):
         across = (columns + TILES_AT_ONCE - 1) // TILES_AT_ONCE
         for share in range((first.shape[0] - 1) // columns * across * SHARES):
             if share % SHARES == 0:
-                n = dealt(share // SHARES, (first.shape[0] - 1) // columns * across, 1)
+                n = dealt(share // SHARES, (first.shape[0] - 1) // columns * across, _DEALT)
                 row, left = n // across, n % across * TILES_AT_ONCE
                 right = ti.min(left + TILES_AT_ONCE, columns)
                 for k in range(first[row * columns + left], first[row * columns + right]):
