@@ -19,8 +19,8 @@ taken larger.
 The factors depend on the window that was chosen. They are measured at seed 101, which no score uses, on the
 quick versions of `rolling_wheel`, `grouser_wheel`, `pushed_wheel`, `compliant_wheel`, `bucket` and
 `fillite_wheel`, on two wheels in sands with grains between GRC-1's and Fillite's, and on the analytic scenes,
-as they are and with the severity `paper`'s noise, the largest windows' also on `fillite_wheel` at seed 102: so
-that 68 and 95 % intervals cover their shares of the true errors there.
+as they are and with the severity `paper`'s noise, the largest windows' also on `fillite_wheel` at seed 102:
+so that 68 and 95 % intervals cover their shares of the true errors there.
 """
 
 from dataclasses import dataclass
