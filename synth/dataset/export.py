@@ -8,7 +8,7 @@ import numpy as np
 from synth.dataset.vtk import write_polydata, write_series
 from synth.implements import Shape
 from synth.recording import Recording
-from synth.scene import Scene, SoilBinScene
+from synth.scene import AnyScene, SoilBinScene
 
 _POINTS_AROUND = 64
 """Points of a capsule's outline."""
@@ -16,7 +16,7 @@ _POINTS_AROUND = 64
 
 def export_vtk(
     recording: Recording,
-    scene: Scene,
+    scene: AnyScene,
     folder: Path,
     *,
     progress: Callable[[int, int], None] | None = None,

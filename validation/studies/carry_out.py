@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-from synth.scene import Scene, SoilBinScene
+from synth.scene import AnyScene, SoilBinScene
 from validation import chain
 from validation.manifest import key_of
 from validation.run_folder import RunFolder
@@ -26,7 +26,7 @@ _MEASURED = "measured-{study}-{label}.json"
 def carry_out(
     name: str,
     study: Study,
-    scene: Scene,
+    scene: AnyScene,
     out: Path,
     *,
     quick: bool = False,
