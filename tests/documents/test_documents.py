@@ -32,7 +32,7 @@ SMALL = ("rolling_wheel", "pushed_wheel")  # scenes that a fixture has small one
 LONG = {"bench", "calibrate", "contact-sheet", "drawbar", "identify", "study", "suite", "verify"}
 TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 # What may be told of besides softbed; never run here.
-OTHERS = {"make", "python", "python3", "pip", ".venv/bin/pip", "dask"}
+OTHERS = {"make", "python", "python3", "pip", ".venv/bin/pip", "dask", "source"}
 
 
 @pytest.fixture
