@@ -115,6 +115,14 @@ def test_region_and_masks(softbed, photographs):
     assert status == 0, error
     found = list((photographs.parent / "rig-softbed" / "flo").rglob("*.flo"))
     assert [read_flo(path).shape for path in found] == [(70, 60, 2)]
+    # Results are not pictures: what they are an option of is told.
+    for command in (
+        ("export", "rig-softbed", "--format", "flo"),
+        ("figure", "speed", "rig-softbed", "--out", "speed.png"),
+    ):
+        status, _, error = softbed(*command)
+        assert status == 2
+        assert "--results (figure) or --out" in error
 
 
 def test_video(softbed, photographs):

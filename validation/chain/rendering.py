@@ -48,7 +48,10 @@ def footage_of(run: RunFolder, settings: "AnalysisSettings | None" = None) -> Ma
     """
     hint = f"softbed render {run.path}"
     if not run.scene.is_file():
-        raise RunFolderError(f"{run.path}: no footage of its own: give the pictures' folder")
+        raise RunFolderError(
+            f"{run.path}: no footage of its own: give the folder of the pictures that were "
+            "analyzed, and this one as --results (figure) or --out (other commands)"
+        )
     scene = simulated_scene(run)
     require_step(run, "render", _render_key(run, scene), hint)
     return Material.open(run.footage, settings)
