@@ -71,6 +71,7 @@ def draw_cost(points: Mapping[str, tuple[float, float, float, float]], *, label:
         Of the value.
     """
     from matplotlib.figure import Figure
+    from matplotlib.patheffects import withStroke
 
     figure = Figure(figsize=(6.4, 4.0), layout="constrained")
     axes = plain_axes(figure.subplots())
@@ -79,7 +80,16 @@ def draw_cost(points: Mapping[str, tuple[float, float, float, float]], *, label:
         bars = None if np.isnan(low) else [[max(value - low, 0)], [max(high - value, 0)]]
         colour, marker = _style(number)
         axes.errorbar(seconds, value, yerr=bars, color=colour, marker=marker, capsize=3, markersize=7)
-        axes.annotate(method, (seconds, value), xytext=(7, 5), textcoords="offset points", fontsize=9)
+        axes.annotate(
+            method,
+            (seconds, value),
+            xytext=(7, 5),
+            textcoords="offset points",
+            fontsize=9,
+            # Other methods' bars may cross the name.
+            path_effects=[withStroke(linewidth=3, foreground="white")],
+            zorder=5,
+        )
     axes.set_ylim(0)
     axes.margins(x=0.25)
     axes.set_xlabel("time a picture pair, one thread [s]")
