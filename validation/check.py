@@ -93,8 +93,10 @@ def check_folder(folder: Path, *, progress: Callable[[int, int], None] | None = 
         return _check_run(folder, progress)
     if (folder / SEQUENCE_FILE).is_file() or (folder / TRUTH_FILE).is_file():
         return _check_footage_folder(folder, progress)
-    what = "holds neither" if folder.is_dir() else "no such folder: needed is one with"
-    raise RunFolderError(f"{folder}: {what} {MANIFEST_FILE} (a run folder) nor {SEQUENCE_FILE} (footage)")
+    run, footage = f"{MANIFEST_FILE} (a run folder or a data set)", f"{SEQUENCE_FILE} (footage)"
+    if not folder.is_dir():
+        raise RunFolderError(f"{folder}: no such folder: needed is one with {run} or {footage}")
+    raise RunFolderError(f"{folder}: holds neither {run} nor {footage}")
 
 
 def _check_run(folder: Path, progress: Callable[[int, int], None] | None) -> Findings:

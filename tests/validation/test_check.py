@@ -156,3 +156,13 @@ def test_other_folders_are_bad_input(softbed, tmp_path, folder):
     status, _, error = softbed("check", tmp_path / folder)
     assert status == 2
     assert error.splitlines()[-1].startswith("softbed: ") and "manifest.json" in error
+
+
+@pytest.mark.parametrize(
+    ("folder", "says"),
+    [("nowhere", "no such folder: needed is one with {} or {}"), (".", "holds neither {} nor {}")],
+)
+def test_what_a_folder_lacks_is_one_sentence(softbed, tmp_path, folder, says):
+    _, _, error = softbed("check", tmp_path / folder)
+    told = says.format("manifest.json (a run folder or a data set)", "sequence.toml (footage)")
+    assert error.splitlines()[-1] == f"softbed: {tmp_path / folder}: {told}"
