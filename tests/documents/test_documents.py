@@ -7,6 +7,7 @@ import shutil
 import sys
 import tomllib
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 
@@ -46,13 +47,20 @@ def place(request, tmp_path, monkeypatch):
                 shutil.copytree(given, tmp_path / given.name)
             else:
                 shutil.copytree(given, tmp_path, dirs_exist_ok=True)
-        for name in ("my_flow", "my_flow_later"):
-            monkeypatch.delitem(sys.modules, name, raising=False)
         monkeypatch.chdir(tmp_path)
         monkeypatch.syspath_prepend(tmp_path)
         return tmp_path
 
-    return prepare
+    yield prepare
+    # Another page or test has a method of its own by that name.
+    for name in [n for n, one in sys.modules.items() if lies_in(one, tmp_path)]:
+        del sys.modules[name]
+
+
+def lies_in(module: ModuleType, folder: Path) -> bool:
+    """Whether a module was imported from a folder."""
+    file = getattr(module, "__file__", None)
+    return file is not None and Path(file).is_relative_to(folder)
 
 
 def run_shell(block: Block, place: Path) -> None:
