@@ -106,7 +106,8 @@ def read_manifest(folder: DataSetFolder) -> dict[str, Any] | None:
     version = manifest.get("schema_version")
     versions = manifest.get("versions")
     if version != SCHEMA_VERSION:
-        made_by = versions.get("softbed") if isinstance(versions, dict) else "an unknown version"
+        known = versions if isinstance(versions, dict) else {}
+        made_by = known.get("softbed", "an unknown version")
         raise DataSetError(
             f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}: use softbed "
             f"{made_by}, which made it, or make it anew with `softbed sweep {folder.path}/sweep.toml OUT`"

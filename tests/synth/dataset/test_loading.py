@@ -78,6 +78,11 @@ def test_another_schema_version_is_refused_with_a_hint(sand_set, tmp_path):
         DataSetError, match=r"schema_version = 2: this program reads 1: use softbed .* anew with"
     ):
         load_data_set(copy)
+    for versions in ({}, "lost"):
+        told = {**manifest, "schema_version": 2, "versions": versions}
+        (copy / "manifest.json").write_text(json.dumps(told))
+        with pytest.raises(DataSetError, match="use softbed an unknown version, which made it"):
+            load_data_set(copy)
     (copy / "manifest.json").write_text("{}")
     with pytest.raises(DataSetError, match="not a data set"):
         load_data_set(copy)
