@@ -3,8 +3,6 @@
 import hashlib
 import json
 import os
-import zipfile
-import zlib
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -26,6 +24,7 @@ from synth.dem.relative_density import SettlingRelation, settling_relation
 from synth.dem.settling import FIRST_SOLID_FRACTION, Bin
 from synth.devices import cache_folder
 from synth.locks import sole_maker
+from synth.npz_files import UNREADABLE
 from synth.scene import Bed as BedTable
 from synth.scene import SoilBinScene
 
@@ -201,5 +200,5 @@ def _read(path: Path) -> tuple[Grains, float] | None:
             position = stored["position"]
             grains = grains_of(position).at_rest(position, stored["radius"], float(stored["density"]))
             return grains, float(stored["solid_fraction"])
-    except (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error):
+    except UNREADABLE:
         return None

@@ -10,7 +10,6 @@ import json
 import shutil
 import time
 import zipfile
-import zlib
 from collections.abc import Callable
 from importlib.metadata import version
 from pathlib import Path
@@ -20,6 +19,7 @@ import numpy as np
 
 from synth.dem.log import RunLog
 from synth.dem.solver import Solver
+from synth.npz_files import UNREADABLE
 
 CHECKPOINT_INTERVAL = 30.0
 """Wall time between two checkpoints, s: what a kill can cost."""
@@ -28,7 +28,6 @@ _LIBRARIES = ("numpy", "scipy", "taichi")
 """Those whose numbers a recording is made of."""
 _STATE_FILE = "state.npz"
 _SOLVER = "solver."
-_UNREADABLE = (OSError, ValueError, KeyError, EOFError, zipfile.BadZipFile, zlib.error)
 
 
 class _UnfitError(Exception):
@@ -167,7 +166,7 @@ def _load(path: Path) -> dict[str, np.ndarray]:
             return dict(stored.items())
     except FileNotFoundError:
         raise _UnfitError(f"{path.name} is missing") from None
-    except _UNREADABLE:
+    except UNREADABLE:
         raise _UnfitError(f"{path.name} is damaged") from None
 
 

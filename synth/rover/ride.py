@@ -130,7 +130,7 @@ class Ride:
         self.law.restore({k[len(_LAW) :]: v for k, v in state.items() if k.startswith(_LAW)})
         self._angle = state["angle"].copy()
         self.states = self.wheel_states()
-        self._angle = state["angle"].copy()
+        self._angle = state["angle"].copy()  # to the bit: looking at the wheels has added rounding
 
     def wheel_states(self) -> WheelStates:
         """Where the wheels are and how they move, in the order of the vehicle's wheels."""

@@ -1,5 +1,6 @@
 """What the pages take for given, so small that it is made in seconds."""
 
+import shutil
 import tomllib
 
 import numpy as np
@@ -29,23 +30,6 @@ frame_count = 6
 [camera]
 width = 128
 height = 96
-"""
-SWEEP = """
-schema_version = 1
-name = "sand"
-scene = "sand_rotation"
-quick = true
-[design]
-kind = "grid"
-[vary]
-"motion.angle" = [0.01, 0.03]
-"camera.width" = [96]
-"camera.height" = [64]
-"timing.frame_count" = [3]
-[split]
-train = 0.5
-validation = 0.0
-test = 0.5
 """
 
 
@@ -86,11 +70,9 @@ def own_pictures(tmp_path_factory):
 
 
 @pytest.fixture(scope="session")
-def sand_set(tmp_path_factory):
-    """A sweep file and its data set of two sequences, by formula."""
-    pytest.importorskip("distributed")
+def wheels(sand_sweep, sand_set, tmp_path_factory):
+    """A folder with a sweep file and its data set, by the names that pages have for them."""
     folder = tmp_path_factory.mktemp("set")
-    (folder / "wheels.toml").write_text(SWEEP)
-    made = run_command(["sweep", str(folder / "wheels.toml"), str(folder / "wheels"), "--workers", "1"])
-    assert made == 0
+    shutil.copy(sand_sweep, folder / "wheels.toml")
+    shutil.copytree(sand_set, folder / "wheels")
     return folder

@@ -21,11 +21,11 @@ from validation.cli import run_command
 # What a page takes for given, by the name of the fixture that makes it.
 GIVEN = {
     "docs/analysis.md": ["own_pictures"],
-    "docs/datasets.md": ["sand_set"],
+    "docs/datasets.md": ["wheels"],
     "docs/figures.md": ["sand_run"],
     "docs/measures.md": ["own_pictures"],
     "docs/tutorials/study_push_rolling.md": ["small_scenes"],
-    "docs/tutorials/make_a_data_set.md": ["sand_set"],
+    "docs/tutorials/make_a_data_set.md": ["wheels"],
 }
 SCORING = "docs/tutorials/score_my_method.md"
 SMALL = ("rolling_wheel", "pushed_wheel")  # scenes that a fixture has small ones of

@@ -4,11 +4,11 @@ import json
 import os
 from dataclasses import dataclass
 from pathlib import Path
-from zipfile import BadZipFile
 
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.npz_files import UNREADABLE
 from validation.drawbar.curve import Curve, CurveOrder
 
 _TOLD = "told"
@@ -50,7 +50,7 @@ def find_begun(path: Path, order: CurveOrder, made_by: dict[str, str]) -> tuple[
         told = json.loads(str(arrays.pop(_TOLD)))
         same_makers = told.pop("made_by") == made_by
         curve = Curve.from_dict(told)
-    except (OSError, ValueError, KeyError, TypeError, EOFError, BadZipFile) as error:
+    except (*UNREADABLE, TypeError) as error:
         return None, f"{path.name}: cannot be read ({error}), begun anew"
     if not same_makers or curve.order != order:
         return None, f"{path.name}: of another version, soil or order, begun anew"
