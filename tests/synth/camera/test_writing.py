@@ -133,8 +133,14 @@ def test_an_interrupt_of_who_makes_frames_ends_who_writes_them(footing, apart):
 def test_a_writer_ends_with_who_started_it(tmp_path, request, how):
     (tmp_path / "frames").mkdir()
     script = KILLED.format(folder=str(request.path.parent), out=str(tmp_path))
-    command = [sys.executable, "-c", script]
-    with subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True) as parent:
+    with subprocess.Popen(
+        [sys.executable, "-c", script],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.DEVNULL,
+        text=True,
+        # A shell's background jobs ignore interrupts, and hand that down.
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
+    ) as parent:
         writer = int(parent.stdout.readline())
         parent.send_signal(how)
     assert parent.returncode != 0
