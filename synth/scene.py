@@ -22,7 +22,7 @@ from synth.drive import Drive, Program
 from synth.implements import CompliantWheel, Implement, Plate
 from synth.scene_files import scene_names, scenes_folder, soil_names, study_scene_names
 from synth.soil import Soil, SoilFile
-from synth.table import Table, kinds_of
+from synth.table import Table, kinds_of, unknown_key
 from synth.text_files import read_toml
 
 SCHEMA_VERSION = 1
@@ -382,7 +382,7 @@ def parse_scene(tables: dict[str, Any], *, source: str = "scene", folder: str | 
         scene = _SCENE.validate_python(tables)
         return _with_fine_region(scene) if isinstance(scene, SoilBinScene) else scene
     except ValidationError as error:
-        raise SceneError(_complaint(error, source)) from None
+        raise SceneError(_complaint(error, AnyScene, source)) from None
 
 
 def changed_scene(scene: AnyScene, changes: Mapping[str, Any], *, source: str = "scene") -> AnyScene:
@@ -483,7 +483,7 @@ def load_soil(name_or_path: str | Path, *, source: str = "soil") -> SoilFile:
     try:
         return SoilFile.model_validate(_read_toml(path))
     except ValidationError as error:
-        raise SceneError(_complaint(error, str(path))) from None
+        raise SceneError(_complaint(error, SoilFile, str(path))) from None
 
 
 def _cut_stl(table: dict[str, Any], source: str, folder: Path) -> dict[str, Any]:
@@ -493,7 +493,7 @@ def _cut_stl(table: dict[str, Any], source: str, folder: Path) -> dict[str, Any]
     try:
         return Stl.model_validate(table).outlined(folder)
     except ValidationError as error:
-        raise SceneError(_complaint(error, source, within="implement")) from None
+        raise SceneError(_complaint(error, Stl, source, within="implement")) from None
     except StlError as error:
         raise SceneError(f"{source}: implement.{error}") from None
 
@@ -524,7 +524,7 @@ def _merged(tables: dict[str, Any], overrides: Any, path: Path, where: str) -> d
     return merged
 
 
-def _complaint(error: ValidationError, source: str, *, within: str = "") -> str:
+def _complaint(error: ValidationError, tables: Any, source: str, *, within: str = "") -> str:
     """The first fault in one line: file, key, value, what is allowed."""
     faults = error.errors(include_url=False)
     # A misspelt key is told before the key that is missing because of it.
@@ -537,8 +537,9 @@ def _complaint(error: ValidationError, source: str, *, within: str = "") -> str:
     if kind == "missing":
         return f"{source}: {key}: missing"
     shown = "" if isinstance(value, dict) else f" = {_shortened(repr(value))}"
-    said = "unknown key" if kind == "extra_forbidden" else fault["msg"].removeprefix("Value error, ")
-    return f"{source}: {key}{shown}: {said}"
+    if kind == "extra_forbidden":
+        return f"{source}: {key}{shown}: {unknown_key(tables, fault['loc'])}"
+    return f"{source}: {key}{shown}: {fault['msg'].removeprefix('Value error, ')}"
 
 
 def _kind_complaint(kind: str, fault: Any) -> str:

@@ -28,24 +28,19 @@ REGION_COLUMNS = (
 
 
 def score_table(scores: "Scores") -> "Table":
-    """One line for each method and stratum that has pixels."""
-    from rich.table import Table
+    """One line for each method and its time, below it one for each stratum that has pixels.
 
-    table = Table(title=_title(scores), title_justify="left")
-    for column, justify in (
-        ("method", "left"),
-        ("stratum", "left"),
-        ("pixels", "right"),
-        ("measured", "right"),
-    ):
-        table.add_column(column, justify=justify, overflow="fold")  # type: ignore[arg-type]
-    for column in ("median px", "95 % px", *(f"> {bound} px" for bound in WRONG_ABOVE), "s/pair"):
-        table.add_column(column, justify="right")
+    Narrow enough for a terminal of 80 columns.
+    """
+    table = _plain_table(_title(scores))
+    table.add_column("method, strata", overflow="fold")
+    for column in ("pixels", "measured", "median", "95 %", *(f"> {bound}" for bound in WRONG_ABOVE)):
+        table.add_column(column, justify="right", no_wrap=True)
     for name, method in scores.methods.items():
-        shown = [(stratum, summary) for stratum, summary in method.strata.items() if summary.pixel_count]
-        for row, (stratum, summary) in enumerate(shown):
-            seconds = number(method.seconds_per_pair, ".2f") if row == 0 else ""
-            table.add_row(name if row == 0 else "", stratum, *cells(summary), seconds)
+        table.add_row(name, f"{number(method.seconds_per_pair, '.2f')} s/pair")
+        for stratum, summary in method.strata.items():
+            if summary.pixel_count:
+                table.add_row(f"  {stratum}", *cells(summary))
         table.add_section()
     return table
 
@@ -57,18 +52,17 @@ def camera_lines(scores: "Scores") -> list[str]:
 
 
 def region_table(scores: "Scores") -> "Table | None":
-    """One line for each method whose regions were scored; None if there is none."""
-    from rich.table import Table
-
+    """One column for each method whose regions were scored; None if there is none."""
     scored = {name: method.regions for name, method in scores.methods.items() if method.regions is not None}
     if not scored:
         return None
-    table = Table(title="soil, moving region, shear interface", title_justify="left")
-    table.add_column("method", overflow="fold")
-    for column in REGION_COLUMNS:
-        table.add_column(column, justify="right")
-    for name, regions in scored.items():
-        table.add_row(name, *region_cells(regions))
+    table = _plain_table("soil, moving region, shear interface: of the distances mean / 95 %, in px")
+    table.add_column("method")
+    for name in scored:
+        table.add_column(name, justify="right", overflow="fold")
+    rows = zip(*(region_cells(regions) for regions in scored.values()), strict=True)
+    for label, row in zip(REGION_COLUMNS, rows, strict=True):
+        table.add_row(label.removesuffix(" px"), *row)
     return table
 
 
@@ -130,8 +124,17 @@ def is_published_rotation(run: "RunFolder") -> bool:
     return load_scene(run.scene).kind == ROTATION
 
 
+def _plain_table(title: str) -> "Table":
+    from rich import box
+    from rich.table import Table
+
+    return Table(
+        title=title, title_justify="left", box=box.SIMPLE_HEAD, collapse_padding=True, pad_edge=False
+    )
+
+
 def _title(scores: "Scores") -> str:
     if not scores.scene:
-        return "end-point error"
+        return "end-point error in px"
     quick = ", quick" if scores.quick else ""
-    return f"end-point error, {scores.scene}, seed {scores.seed}{quick}"
+    return f"end-point error in px, {scores.scene}, seed {scores.seed}{quick}"

@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from importlib import import_module
+from traceback import extract_tb
 
 import numpy as np
 
@@ -27,7 +28,8 @@ def from_function(function: Callable, name: str | None = None) -> Estimator:
         try:
             output = function(first.copy(), second.copy(), mask.copy())
         except Exception as error:
-            raise FlowError(f"method {name!r} failed: {type(error).__name__}: {error}") from error
+            said = f"{type(error).__name__}: {error}, in {_place(error)}"
+            raise FlowError(f"method {name!r} failed: {said}") from error
         return FlowField(_checked(output, first.shape, name), mask)
 
     return Estimator(name, NoOptions, solve, own_texture=True, forward_backward=False)
@@ -55,6 +57,12 @@ def from_import_path(path: str) -> Estimator:
 def _name_of(function: Callable) -> str:
     module = getattr(function, "__module__", type(function).__module__)
     return f"{module}:{getattr(function, '__qualname__', type(function).__qualname__)}"
+
+
+def _place(error: Exception) -> str:
+    """File and line that raised: the first thing its author looks for."""
+    innermost = extract_tb(error.__traceback__)[-1]
+    return f"{innermost.filename}, line {innermost.lineno}"
 
 
 def _checked(output: object, shape: tuple[int, ...], name: str) -> np.ndarray:

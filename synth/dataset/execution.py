@@ -11,7 +11,7 @@ from synth.dataset.cluster import cluster_client, require_distributed
 from synth.dataset.folder import BASE_FILE, SWEEP_FILE, DataSetError, DataSetFolder
 from synth.dataset.members import Failure, Member, Membership, members_of
 from synth.dataset.summary import Told, read_manifest, write_summary
-from synth.dataset.sweep import Sweep, load_sweep
+from synth.dataset.sweep import SPLITS, Sweep, load_sweep
 from synth.dataset.tasks import Order, Result, StageError, photograph, settle, simulate
 from synth.dataset.versions import DECISIVE, decisive_versions, differing
 
@@ -38,6 +38,12 @@ class Asked:
         """Read a sweep file; raises what `load_sweep` and `members_of` do."""
         sweep, base = load_sweep(path)
         return cls(sweep, base, members_of(sweep, base))
+
+    @property
+    def empty_splits(self) -> list[str]:
+        """Splits that are to have a share, and get no member: there are too few simulations."""
+        filled = {member.split for member in self.membership.members}
+        return [split for split in SPLITS if getattr(self.sweep.split, split) > 0 and split not in filled]
 
 
 def make_data_set(
@@ -83,6 +89,8 @@ def make_data_set(
     """
     require_distributed()
     asked, folder = Asked.read(sweep_file), DataSetFolder(Path(out).absolute())
+    for split in asked.empty_splits:
+        say(f"warning: no member in the split {split!r}: simulations are dealt out whole, and are too few")
     with folder.sole_user():
         _adopt(folder, asked)
         members = asked.membership.members

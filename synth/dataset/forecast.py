@@ -51,6 +51,8 @@ class Forecast:
         To be made: what is there already does not count.
     split_counts : dict of int
         All members.
+    empty_splits : list of str
+        Those that are to have a share, and get no member.
     core_seconds : dict of float
         By stage.
     workers : int
@@ -70,6 +72,7 @@ class Forecast:
     bed_count: int
     frame_count: int
     split_counts: dict[str, int]
+    empty_splits: list[str]
     core_seconds: dict[str, float]
     workers: int
     seconds: float
@@ -115,6 +118,7 @@ def forecast(sweep_file: str | Path, out: str | Path, *, workers: int | None = N
         bed_count=len(beds),
         frame_count=sum(one.scene.timing.frame_count for one in missing),
         split_counts={split: splits[split] for split in SPLITS},
+        empty_splits=asked.empty_splits,
         core_seconds=seconds,
         workers=count,
         seconds=sum(seconds.values()) / count + (START_SECONDS if missing else 0.0),

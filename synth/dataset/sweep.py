@@ -7,7 +7,7 @@ from pydantic import Discriminator, Field, Tag, ValidationError, model_validator
 
 from synth.scene import AnyScene, SceneError, load_scene
 from synth.scene_files import scene_names, study_scene_names
-from synth.table import Table
+from synth.table import Table, unknown_key
 from synth.text_files import read_toml
 
 SCHEMA_VERSION = 1
@@ -171,7 +171,7 @@ def _complaint(error: ValidationError) -> str:
     if fault["type"] == "missing":
         return f"{key}: missing"
     if fault["type"] == "extra_forbidden":
-        return f"{key}: unknown key"
+        return f"{key}: {unknown_key(Sweep, fault['loc'])}"
     shown = "" if isinstance(fault["input"], dict) else f" = {fault['input']!r}"
     if fault["type"] == "list_type":
         return f"{key}{shown}: a list of values, or a table with low and high, is needed"

@@ -68,9 +68,17 @@ def test_settings_from_a_file_and_options_before_them(softbed, photographs):
         assert flow.attrs["metres_per_pixel"] == 2e-4
     assert re.search(r"camera: resting soil -(3\.0|2\.9)\d+ ± 0\.0", error)
     assert "camera 0.24" in error
+    assert "px of 0.0002 m: " in error and "warning" not in error
     # The same again is skipped; other pairs are not.
     assert "skipped" in softbed(*arguments, "--start", 1, "--every", 2)[2]
     assert "what it depends on has changed" in softbed(*arguments, "--start", 2, "--every", 2)[2]
+
+
+def test_a_pixel_size_in_another_unit_is_warned_of(softbed, photographs):
+    arguments = ["--method", "farneback", "--soil", "all", "--stop", 2]
+    status, _, error = softbed("analyze", photographs, *arguments, "--metres-per-pixel", 0.2)
+    assert status == 0
+    assert f"{SHAPE[1]} x {SHAPE[0]} px of 0.2 m: {0.2 * SHAPE[1]:.3g} m wide: is the pixel size in m" in error
 
 
 def test_pictures_of_the_same_name_elsewhere_replace_nothing(softbed, photographs):
@@ -141,7 +149,7 @@ def test_video(softbed, photographs):
     figures = photographs.parent / "rig-softbed" / "figures" / "farneback"
     assert list(figures.glob("*.png"))
     assert (figures / "interface-0000.csv").read_text() == "line,x_px,y_px\n", "nothing moves in the soil"
-    assert "shear interface of pair 0: no moving region" in error
+    assert "pair 0: no moving region" in error
     agreement = re.search(r"SIFT on pair 0: .*flow agrees with ([\d.]+)% within 0.56 px", error)
     assert float(agreement[1]) > 90
 

@@ -18,6 +18,8 @@ if TYPE_CHECKING:
 
     from soft import AnalysisSettings, ImageSequence
 
+_NARROWEST, _WIDEST = 0.01, 10.0
+"""Width in m that pictures of a soil bin may have."""
 _NEVER_SKIPPED = "a function of your own, whose code may have changed"
 
 
@@ -42,6 +44,7 @@ def analyze(
     step = _analyze_step(method)
     if skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
         return
+    _tell_size(material.sequence, terminal)
     kept = run.kept_flow(method.slug)
     if kept.is_dir():
         terminal.say(f"{step}: was stopped: flow of {len(list(kept.glob('*.npz')))} pairs is kept")
@@ -75,6 +78,19 @@ def analyze(
         }
     shutil.rmtree(kept, ignore_errors=True)
     terminal.say(f"  camera: {travel}")
+
+
+def _tell_size(sequence: "ImageSequence", terminal: Terminal) -> None:
+    """Say how large the pictures are: with millimetres given for metres, one is as wide as a town."""
+    if sequence.metres_per_pixel is None:
+        return
+    rows, columns = sequence.shape
+    width = columns * sequence.metres_per_pixel
+    size = f"{columns} x {rows} px of {sequence.metres_per_pixel:.4g} m: {width:.3g} m wide"
+    if _NARROWEST <= width <= _WIDEST:
+        terminal.say(f"  pictures: {size}")
+    else:
+        terminal.say(f"warning: pictures: {size}: is the pixel size in metres?")
 
 
 def _require_same_place(run: RunFolder, material: Material) -> None:
@@ -132,7 +148,7 @@ def _tell_first_pair(
     soft.write_interface(
         interface, folder / "interface-0000.csv", metres_per_pixel=flow.attrs.get("metres_per_pixel")
     )
-    terminal.say(f"  {slug}, shear interface of pair 0: {interface.remark}")
+    terminal.say(f"  {slug}, pair 0: {interface.remark}")
     pair = flow[["u", "v", "valid", "soil", "first_frame", "second_frame"]].isel(pair=0).load()
     first, second = (sequence[int(pair[name])] for name in ("first_frame", "second_frame"))
     displacement = np.stack([pair["u"].values, pair["v"].values], axis=2)

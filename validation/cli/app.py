@@ -67,7 +67,8 @@ def _is_usage_error(error: Exception) -> bool:
 def _in_one_line(error: Exception) -> str:
     if _is_usage_error(error):
         command = getattr(getattr(error, "ctx", None), "command_path", "softbed")
-        return " ".join(f"{error.format_message()} (see {command} --help)".split())  # type: ignore[attr-defined]
+        said = error.format_message().replace("Value error, ", "")  # type: ignore[attr-defined]
+        return " ".join(f"{said} (see {command} --help)".split())
     return error_line(error)
 
 

@@ -33,6 +33,8 @@ def _lines(found: "Forecast") -> list[tuple[str, str]]:
         (f"time of {workers}", f"{duration(found.seconds)}, by {found.basis}"),
         ("size of what is missing", f"{found.bytes / 1e9:.3g} GB"),
     ]
+    if found.empty_splits:
+        lines.append(("splits without a member", f"{', '.join(found.empty_splits)}: too few simulations"))
     if found.repeated_count:
         lines.append(("points that repeat another", f"{found.repeated_count}, left out"))
     if found.impossible_count:

@@ -10,6 +10,8 @@ if TYPE_CHECKING:
     from validation.gate.verdict import Row
 
 _NAMES = {"median": "median px", "p95": "95 % px", "wrong_share": "> 0.3 px"}
+_MOST_TOLD = 3
+"""Of what got worse, in the last line; the table has all of it."""
 _UNITS = {"median": "%", "p95": "%", "wrong_share": "pts"}
 
 
@@ -41,9 +43,10 @@ def verdict_line(rows: "list[Row]") -> str:
     told = [
         f"{_NAMES[row.quantity]} in {row.stratum} {row.reason} by "
         + change_text(row, row.change if row.reason == EVERYWHERE else row.worst_change)
-        for row in worse
+        for row in worse[:_MOST_TOLD]
     ]
-    return f"failed: worse is {'; '.join(told)}"
+    more = len(worse) - len(told)
+    return f"failed: worse is {'; '.join(told)}" + (f"; and {more} more" if more else "")
 
 
 def change_text(row: "Row", change: float | None) -> str:

@@ -48,7 +48,11 @@ def test_a_file_is_read_with_its_scene(sweep_file):
 @pytest.mark.parametrize(
     "old, new, words",
     [
-        ("low = 0.0", "lo = 0.0", ["vary.drive.slip.lo: unknown key"]),
+        (
+            "low = 0.0",
+            "lo = 0.0",
+            ["vary.drive.slip.lo: unknown key, allowed are count, high, integer, low, scale"],
+        ),
         ("low = 0.0", "low = 0.7", ["vary.drive.slip: low < high is needed, got 0.7 and 0.5"]),
         ("high = 0.5", 'high = 0.5, scale = "log"', ["vary.drive.slip", "low > 0 is needed"]),
         ("high = 0.5", "high = 0.5, count = 3", ["vary.drive.slip", "'sobol' has no count"]),
