@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.pair_motion import motion_between_nodes
-from soft.segmentation import MovingRegion, moving_mask
+from soft.segmentation import MovingRegion, moving_mask, texture_size, without_gaps
 
 if TYPE_CHECKING:
     import xarray
@@ -55,7 +55,8 @@ def shear_interface(
     The boundary runs between a pixel in the region and a neighbour that is not. Between the two centres it
     lies where the speed, taken to change linearly, is the threshold; half-way where both are on the same side
     of it, as where a gap was filled. Stretches along the implement, the free surface or the picture's border
-    close the region off and are left out.
+    close the region off and are left out, and so are those along soil whose motion was not measured: whether
+    it moves is not known.
 
     Parameters
     ----------
@@ -68,7 +69,8 @@ def shear_interface(
     soil : (H, W) bool, optional
         Where soil is; where the speed was measured by default.
     margin : float, optional
-        Boundary at most this many px from a pixel that is not soil is left out.
+        Boundary at most this many px from a pixel that is not soil, or was not measured, is left out; gaps
+        that a moving region reaches over do not count.
 
     Raises
     ------
@@ -80,7 +82,8 @@ def shear_interface(
         raise ValueError(f"moving: shape {moving.shape}: must be that of speed and soil, {speed.shape}")
     if not moving.any():
         return ShearInterface((), "no moving region, so no shear interface")
-    inner = _distance_to_outline(soil) > margin
+    known = soil & without_gaps(np.isfinite(speed), size=texture_size(speed.shape))
+    inner = _distance_to_outline(known) > margin
     lines: list[np.ndarray] = []
     for boundary in _boundaries(moving):
         kept, placed = _placed(boundary, speed, threshold, inner)

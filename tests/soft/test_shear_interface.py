@@ -76,6 +76,15 @@ def test_unmeasured_soil_does_not_cut_the_line_when_told_that_it_is_soil():
     assert np.allclose(line[:, 0], 39.5)
 
 
+def test_where_nothing_was_measured_there_is_no_shear_interface():
+    """What moves ends at a wide strip without measurements, and at resting soil below it."""
+    speed = np.where(Y < 70, 2.0, 0.0)
+    speed[:, 100:] = np.nan
+    (line,) = shear_interface(speed, np.nan_to_num(speed) > 1, threshold=1.0, soil=np.ones(SHAPE, bool)).lines
+    assert np.allclose(line[:, 1], 69.5)
+    assert line[:, 0].max() == 100 - 1 - 3
+
+
 def test_a_closed_line_is_cut_only_where_it_meets_the_implement():
     soil = np.hypot(X - 80, Y - 20) > 12
     moving = soil & (RADIUS < 40)
