@@ -96,9 +96,11 @@ def _start(first: np.ndarray, second: np.ndarray, settings: Settings) -> np.ndar
 def _refined(
     energy: Energy, level: Level, flow: np.ndarray, settings: Settings, *, weighted: bool
 ) -> np.ndarray:
+    # A quadratic penalty weighs every motion alike: the same equations again would tell nothing new.
+    weighing_count = settings.weighing_count if weighted else 1
     for _ in range(settings.warp_count):
         warped = energy.linearize(flow)
-        for _ in range(settings.weighing_count):
+        for _ in range(weighing_count):
             flow = energy.lowered(flow, settings.tolerance)
         if settings.median > 1:
             flow = filtered(

@@ -42,7 +42,8 @@ class Settings:
     warp_count : int
         Times that each level's second picture is warped.
     weighing_count : int
-        Times that the equations of a warp are weighted by the penalties' slopes, and solved.
+        Times that the equations of a warp are weighted by the penalties' slopes, and solved; once where the
+        penalty is the quadratic one.
     tolerance : float
         What the solver may leave of the equations' right-hand side.
     median : int

@@ -96,13 +96,11 @@ class System:
                 break
             self._cycle(0)
             now = self._product(finest.right, finest.motion)
-            self._direction *= np.float32(now / before)
-            self._direction += finest.motion
+            kernels.turn(finest.motion, now / before, self._direction)
             kernels.apply(finest.diagonal, finest.links, self._direction, self._applied, self._sums)
-            step = np.float32(now / self._sums.sum())
-            self._solution += step * self._direction
-            finest.right[:] -= step * self._applied
-            before, left = now, self._product(finest.right, finest.right)
+            step = now / self._sums.sum()
+            kernels.step_along(self._direction, self._applied, step, self._solution, finest.right, self._sums)
+            before, left = now, float(self._sums.sum())
         return self._solution[1:-2, 1:-2]
 
     def _product(self, one: np.ndarray, other: np.ndarray) -> float:
@@ -116,8 +114,8 @@ class System:
         from soft.flow.black_anandan import system_kernels as kernels
 
         grid = self._grids[level]
-        grid.motion.fill(0)
         if level + 1 == len(self._grids):
+            grid.motion.fill(0)
             kernels.sweep(grid.inverse, grid.links, grid.right, grid.motion)
             return
         coarse = self._grids[level + 1]

@@ -93,6 +93,17 @@ def relax(
         motion[row, column, 0], motion[row, column, 1] = solved[0], solved[1]
 
 
+@ti.func
+def relax_from_rest(inverse: ti.template(), right: ti.template(), row, first, colour, motion: ti.template()):
+    """Do as `relax` while all motion is still zero."""
+    start = first + (row + first + colour) % 2
+    end = ti.min(first + PIECE, inverse.shape[1] - AFTER)
+    for step in range((end - start + 1) // 2):
+        column = start + 2 * step
+        solved = block_times(inverse, row, column, pair(right, row, column))
+        motion[row, column, 0], motion[row, column, 1] = solved[0], solved[1]
+
+
 @ti.kernel
 def prepare(tensor: Channels, links: Channels, diagonal: Channels, inverse: Channels):
     """Blocks at the pixels, and their inverses."""
@@ -140,30 +151,40 @@ def descend(
     motion: Channels,
     coarse_right: Channels,
 ):
-    """A sweep, one colour of a chessboard and then the other; what is left, in 2 x 2 pixels."""
+    """A sweep from rest, one colour of a chessboard and then the other; what is left, in 2 x 2 pixels.
+
+    Of the other colour nothing is left.
+    """
     height, width = motion.shape[0] - BEFORE - AFTER, motion.shape[1] - BEFORE - AFTER
-    for colour in ti.static((0, 1)):
-        for piece in range(height * pieces(width)):
-            row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
-            relax(inverse, links, right, row, first, colour, motion)
+    for piece in range(height * pieces(width)):
+        row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
+        relax_from_rest(inverse, right, row, first, 0, motion)
+    for piece in range(height * pieces(width)):
+        row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
+        relax(inverse, links, right, row, first, 1, motion)
     half = coarse_right.shape[1] - BEFORE - AFTER
     for piece in range((coarse_right.shape[0] - BEFORE - AFTER) * pieces(half)):
         row, first = piece // pieces(half) + 1, piece % pieces(half) * PIECE + 1
         for column in range(first, ti.min(first + PIECE, half + 1)):
             left = ti.Vector([ti.f32(0.0), ti.f32(0.0)])
-            for j, i in ti.static(ti.ndrange(2, 2)):
-                y, x = 2 * row - 1 + j, 2 * column - 1 + i
+            for k in ti.static(range(2)):
+                y, x = 2 * row - 1 + k, 2 * column - 1 + k
                 left += pair(right, y, x) - applied(diagonal, links, motion, y, x)
             coarse_right[row, column, 0], coarse_right[row, column, 1] = left[0], left[1]
 
 
 @ti.kernel
 def ascend(inverse: Channels, links: Channels, right: Channels, coarse_motion: Channels, motion: Channels):
-    """Add the coarse motion; a sweep in the order that mirrors the one of `descend`."""
+    """Add the coarse motion; a sweep in the order that mirrors the one of `descend`.
+
+    It is added to the colour that comes last: the other one's motion follows from its neighbours' alone.
+    """
     height, width = motion.shape[0] - BEFORE - AFTER, motion.shape[1] - BEFORE - AFTER
     for piece in range(height * pieces(width)):
         row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
-        for column in range(first, ti.min(first + PIECE, width + 1)):
+        start = first + (row + first) % 2
+        for step in range((ti.min(first + PIECE, width + 1) - start + 1) // 2):
+            column = start + 2 * step
             for k in ti.static(range(2)):
                 motion[row, column, k] += coarse_motion[(row + 1) // 2, (column + 1) // 2, k]
     for colour in ti.static((1, 0)):
@@ -204,4 +225,41 @@ def product(one: Channels, other: Channels, sums: Sums):
         total = ti.f64(0.0)
         for column in range(first, ti.min(first + PIECE, width + 1)):
             total += pair(one, row, column).dot(pair(other, row, column))
+        sums[piece] = total
+
+
+@ti.kernel
+def turn(motion: Channels, share: ti.f32, direction: Channels):
+    """The next direction: `motion`, and a share of the former direction."""
+    width = motion.shape[1] - BEFORE - AFTER
+    for piece in range((motion.shape[0] - BEFORE - AFTER) * pieces(width)):
+        row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
+        for column in range(first, ti.min(first + PIECE, width + 1)):
+            for k in ti.static(range(2)):
+                direction[row, column, k] = motion[row, column, k] + share * direction[row, column, k]
+
+
+@ti.kernel
+def step_along(
+    direction: Channels,
+    change: Channels,
+    step: ti.f32,
+    solution: Channels,
+    right: Channels,
+    sums: Sums,
+):
+    """A step of the solution, what it leaves of the right-hand side, and the square of that in parts.
+
+    `change` is the left-hand side of `direction`.
+    """
+    width = right.shape[1] - BEFORE - AFTER
+    for piece in range(sums.shape[0]):
+        row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
+        total = ti.f64(0.0)
+        for column in range(first, ti.min(first + PIECE, width + 1)):
+            for k in ti.static(range(2)):
+                solution[row, column, k] += step * direction[row, column, k]
+                left = right[row, column, k] - step * change[row, column, k]
+                right[row, column, k] = left
+                total += left * left
         sums[piece] = total
