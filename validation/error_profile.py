@@ -12,7 +12,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from validation.metrics import end_point_error
-from validation.strata import COMPLEX_WITHIN, Strata, distance_to, find_strata
+from validation.strata import COMPLEX_WITHIN, Strata, distance_to
+from validation.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -135,13 +136,14 @@ RANGES = {name: one for name, one in EXPLANATIONS.items() if not one.classes}
 """Those that are quantities."""
 
 
-def error_profile(truth: "xr.Dataset", flow: "xr.Dataset") -> "xr.Dataset":
+def error_profile(true: TruePair, flow: "xr.Dataset") -> "xr.Dataset":
     """Sort the errors of one picture pair by everything that may explain them.
 
     Parameters
     ----------
-    truth, flow : xarray.Dataset
-        Over `y, x`; the flow is dense.
+    true : TruePair
+    flow : xarray.Dataset
+        Over `y, x`, dense.
 
     Returns
     -------
@@ -153,7 +155,7 @@ def error_profile(truth: "xr.Dataset", flow: "xr.Dataset") -> "xr.Dataset":
     """
     import xarray as xr
 
-    strata = find_strata(truth)
+    truth, strata = true.data, true.strata
     everything = strata.masks["all"]
     errors = _Errors.of(truth, flow, strata)
     found = {}

@@ -122,10 +122,10 @@ def _method_from(table: dict[str, Any]) -> MethodScore:
     )
 
 
-def score_pair(truth: "xr.Dataset", flow: "xr.Dataset") -> dict[str, ErrorSummary]:
-    """Errors of one method in every stratum of one picture pair; both data sets over `y, x`."""
+def score_pair(true: TruePair, flow: "xr.Dataset") -> dict[str, ErrorSummary]:
+    """Errors of one method in every stratum of one picture pair; the flow over `y, x`."""
     tally = StratumTally()
-    tally.add(TruePair(truth), flow)
+    tally.add(true, flow)
     return tally.result()
 
 

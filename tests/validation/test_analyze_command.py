@@ -78,7 +78,7 @@ def test_a_pixel_size_in_another_unit_is_warned_of(softbed, photographs):
     arguments = ["--method", "farneback", "--soil", "all", "--stop", 2]
     status, _, error = softbed("analyze", photographs, *arguments, "--metres-per-pixel", 0.2)
     assert status == 0
-    assert f"{SHAPE[1]} x {SHAPE[0]} px of 0.2 m: {0.2 * SHAPE[1]:.3g} m wide: is the pixel size in m" in error
+    assert f"px of 0.2 m: {0.2 * SHAPE[1]:.3g} m wide: is the pixel size in metres?" in error
 
 
 def test_pictures_of_the_same_name_elsewhere_replace_nothing(softbed, photographs):

@@ -13,6 +13,7 @@ from validation.error_profile import (
     percentile,
 )
 from validation.strata import find_strata
+from validation.truth_pass import TruePair
 
 SHAPE = (40, 60)
 
@@ -40,31 +41,34 @@ def flow(u, v=0.0):
 
 
 def test_every_pixel_is_in_one_bin(truth):
-    profile = error_profile(truth, flow(2.1))
+    profile = error_profile(TruePair(truth), flow(2.1))
     for name in ("distance_to_implement", "distance_to_discontinuity", "strain_rate", "rotation", "speed"):
         assert profile[f"count_{name}"].sum() == SHAPE[0] * SHAPE[1], name
     assert profile["count_discontinuity_jump"].sum() == 0
 
 
 def test_distances(truth):
-    counts = error_profile(truth, flow(2.1))["count_distance_to_implement"].sum("error_bin").values
+    counts = error_profile(TruePair(truth), flow(2.1))["count_distance_to_implement"].sum("error_bin").values
     assert counts[:4].tolist() == [40, 40, 40, 80]  # 0-1, 1-2, 2-3, 3-5 px: columns of 40 px
     assert (
-        error_profile(truth, flow(2.1))["count_distance_to_discontinuity"].sum("error_bin").values[-1] == 2400
+        error_profile(TruePair(truth), flow(2.1))["count_distance_to_discontinuity"]
+        .sum("error_bin")
+        .values[-1]
+        == 2400
     )
 
 
 def test_error_at_the_implement_alone(truth):
     u = np.full(SHAPE, 2.0)
     u[:, :2] += 0.5
-    histogram = error_profile(truth, flow(u))["count_distance_to_implement"].values
+    histogram = error_profile(TruePair(truth), flow(u))["count_distance_to_implement"].values
     median = percentile(histogram, 0.5)
     assert median[:2] == pytest.approx([0.5, 0.5], rel=0.05)
     assert (median[2:7] < 0.004).all()
 
 
 def test_bias_along_and_across(truth):
-    profile = error_profile(truth, flow(2.3, 0.1))
+    profile = error_profile(TruePair(truth), flow(2.3, 0.1))
     number, along, across, along2, _ = profile["sums_speed"].sum("bin_speed").values
     assert MOMENTS[0] == "number" and number == 2400
     assert along / number == pytest.approx(0.3, abs=1e-6)
@@ -75,13 +79,13 @@ def test_bias_along_and_across(truth):
 def test_unmeasured(truth):
     u = np.full(SHAPE, 2.0)
     u[:, 0] = np.nan
-    profile = error_profile(truth, flow(u))
+    profile = error_profile(TruePair(truth), flow(u))
     assert profile["unmeasured_distance_to_implement"].values[:2].tolist() == [40, 0]
     assert profile["count_distance_to_implement"].values[0].sum() == 0
 
 
 def test_profiles_add_up(truth):
-    one = error_profile(truth, flow(2.1))
+    one = error_profile(TruePair(truth), flow(2.1))
     assert (one + one)["count_speed"].sum() == 2 * one["count_speed"].sum()
 
 
@@ -107,7 +111,7 @@ def test_every_cause_is_in_the_stratum_it_is_of(truth):
         distance_to_discontinuity=(truth["u"].dims, np.broadcast_to(distance, SHAPE)),
         strain_rate=(truth["u"].dims, np.zeros(SHAPE, np.float32)),
     )
-    found = error_profile(split, flow(2.0))["count_cause"].sum("error_bin").values
+    found = error_profile(TruePair(split), flow(2.0))["count_cause"].sum("error_bin").values
     told = dict(zip(CAUSES, found.tolist(), strict=True))
     masks = find_strata(split).masks
     assert told["at the implement"] == 4 * SHAPE[0]  # 0 to 3 px

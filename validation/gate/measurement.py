@@ -10,6 +10,7 @@ from synth.text_files import read_json
 from validation.manifest import file_digest, key_of
 from validation.score import score_pair
 from validation.strata import STRATA
+from validation.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -176,7 +177,7 @@ def clips_digest(folders: list[Path]) -> str:
 
 def pair_scores(truth: "xr.Dataset", flow: "xr.Dataset") -> PairScores:
     """How wrong a flow is in every stratum of one picture pair; both data sets over `y, x`."""
-    summaries = score_pair(truth, flow)
+    summaries = score_pair(TruePair(truth), flow)
     return {
         stratum: PairScore(
             coverage=_rounded(summary.coverage) or 0.0,

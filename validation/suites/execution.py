@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING
 
 from validation.processes import worker_processes
 from validation.run_folder import PARTIAL_PREFIX, RunFolder
+from validation.suites.measurement_file import key_in, write_measurement
 from validation.suites.plan import Look, Motion, Realisation, Suite
 from validation.terminal import Terminal, error_line
 from validation.versions import package_version
@@ -23,6 +24,7 @@ if TYPE_CHECKING:
 
     from synth import Footage, Recording
     from synth.scene import AnyScene
+    from validation.truth_pass import TruePair
 
 MOTIONS = "motions"
 """Folder below a suite's: a run folder for each simulation, shared by all suites that write there."""
@@ -168,7 +170,7 @@ def _measure_all(
     terminal: Terminal,
 ) -> list[Failure]:
     """Take the pictures once, and let every method look at them."""
-    from validation.suites.measurement import photograph
+    from validation.suites.measurement import photograph, remembered_truth
 
     failures = []
     with tempfile.TemporaryDirectory(dir=task.out, prefix=PARTIAL_PREFIX) as scratch:
@@ -177,9 +179,10 @@ def _measure_all(
         except Exception as error:
             return [Failure(realisation.name, _in_one_line(error))]
         with footage:
+            truth = remembered_truth(footage)
             for look in looks:
                 try:
-                    _measure_one(task, footage, look, Path(scratch))
+                    _measure_one(task, footage, truth, look, Path(scratch))
                     told = f"{realisation.severity} pictures {realisation.picture_seed}"
                     terminal.say(f"{told}: measured by {look.method}")
                 except Exception as error:
@@ -187,7 +190,9 @@ def _measure_all(
     return failures
 
 
-def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> None:
+def _measure_one(
+    task: Task, footage: "Footage", truth: Callable[[int], "TruePair"], look: Look, scratch: Path
+) -> None:
     from validation.suites.measurement import SCHEMA_VERSION, measure
 
     realisation = look.realisation
@@ -196,6 +201,7 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
     found = measure(
         footage,
         look.method,
+        truth=truth,
         pair_count=look.pair_count,
         periods=_periods(scene),
         further=look.further,
@@ -220,8 +226,7 @@ def _measure_one(task: Task, footage: "Footage", look: Look, scratch: Path) -> N
         threads=task.threads,
     )
     draft = scratch / "measured.nc"
-    encoding = {name: {"zlib": True} for name, variable in found.data_vars.items() if variable.ndim > 1}
-    found.to_netcdf(draft, engine="h5netcdf", encoding=encoding)
+    write_measurement(found, draft)
     draft.replace(measured_file(task.out, look))
     shutil.rmtree(kept, ignore_errors=True)
 
@@ -245,16 +250,7 @@ def measured_file(out: Path, look: Look) -> Path:
 
 def is_measured(out: Path, look: Look) -> bool:
     """Whether a measurement is there, made by these versions from this scene."""
-    import h5py  # ten times faster than to find out, as h5netcdf does, what else is in the file
-
-    path = measured_file(out, look)
-    if not path.is_file():
-        return False
-    try:
-        with h5py.File(path) as file:
-            return bool(file.attrs.get("key") == _key(look))
-    except (OSError, ValueError, KeyError):
-        return False
+    return key_in(measured_file(out, look)) == _key(look)
 
 
 def _key(look: Look) -> str:

@@ -3,20 +3,18 @@
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
-
-import numpy as np
+from typing import TYPE_CHECKING
 
 from validation.suites.execution import is_measured, measured_file
+from validation.suites.measurement_file import read_measurement
 from validation.suites.plan import Look, Suite
-from validation.suites.table import ERRORS, Line, lines_of
+from validation.suites.table import Line, lines_of
 
 if TYPE_CHECKING:
     import xarray as xr
 
 _PROFILE = ("count_", "unmeasured_", "sums_")
 _RESPONSE = ("response_",)
-_WORST_DIMENSIONS = ("worst_y", "worst_x")
 _WORST = ("worst_picture", "worst_speed", "worst_error")
 
 
@@ -72,53 +70,7 @@ def gather(suite: Suite, out: Path) -> Gathered:
 def _measured(suite: Suite, out: Path) -> "Iterator[tuple[Look, xr.Dataset]]":
     for look in suite.looks:
         if is_measured(out, look):
-            yield look, _read(measured_file(out, look))
-
-
-def _read(path: Path) -> "xr.Dataset":
-    """Read a measurement; ten times faster than xarray finds out what is in such a file."""
-    import h5py
-    import xarray as xr
-
-    with h5py.File(path) as file:
-        wanted = {name: _dimensions(name) for name in file}
-        variables = {
-            name: (dimensions, _decoded(file[name])) for name, dimensions in wanted.items() if dimensions
-        }
-        return xr.Dataset(variables, attrs={name: _plain(value) for name, value in file.attrs.items()})
-
-
-def _dimensions(name: str) -> tuple[str, ...]:
-    """Of a variable of a measurement, as `validation.suites.measurement` makes it; none for others."""
-    if name in ("pair", "stratum", "bound", "period"):
-        return () if name == "pair" else (name,)
-    if name in ERRORS:
-        return "pair", "stratum"
-    for prefix, dimensions in _PREFIXES.items():
-        if name.startswith(prefix):
-            return tuple(one.format(name.removeprefix(prefix)) for one in dimensions)
-    return ()
-
-
-_PREFIXES = {
-    "wrong_share": ("pair", "stratum", "bound"),
-    "seconds": ("pair",),
-    "count_": ("bin_{}", "error_bin"),
-    "unmeasured_": ("bin_{}",),
-    "sums_": ("bin_{}", "moment"),
-    "response_": ("period",),
-    "worst_picture": _WORST_DIMENSIONS,
-    "worst_speed": _WORST_DIMENSIONS,
-    "worst_error": _WORST_DIMENSIONS,
-}
-
-
-def _decoded(variable: Any) -> Any:
-    return variable.asstr()[...] if variable.dtype.kind in "OS" else variable[...]
-
-
-def _plain(value: Any) -> Any:
-    return value.item() if isinstance(value, np.ndarray) and value.size == 1 else value
+            yield look, read_measurement(measured_file(out, look))
 
 
 def _keep_worst(worst: "dict[tuple[str, str], xr.Dataset]", look: Look, measured: "xr.Dataset") -> None:

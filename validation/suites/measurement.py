@@ -4,6 +4,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import asdict
+from functools import lru_cache
 from importlib import import_module
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -16,6 +17,7 @@ from validation.modulation import response_sums
 from validation.score import score_pair
 from validation.strata import STRATA
 from validation.suites.worst_place import worst_place
+from validation.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -37,7 +39,7 @@ _QUANTITIES = {
     "bias_v": "mean error downwards",
 }
 _IN_MEMORY = 4
-"""Picture pairs; a longer soil flow lies in a file meanwhile."""
+"""Picture pairs; a longer soil flow lies in a file meanwhile, and so does the truth."""
 _UNITS = {"pixel_count": "1", "coverage": "1"}
 
 
@@ -56,10 +58,16 @@ def photograph(
     return render(part, scene, folder, threads=threads)
 
 
+def remembered_truth(footage: "Footage") -> Callable[[int], TruePair]:
+    """The truth about each pair, and what follows from it; of the last few pairs in memory."""
+    return lru_cache(maxsize=_IN_MEMORY)(lambda pair: TruePair(footage.truth(pair)))
+
+
 def measure(
     footage: "Footage",
     method: str,
     *,
+    truth: Callable[[int], TruePair] | None = None,
     pair_count: int | None = None,
     periods: np.ndarray | None = None,
     further: Sequence[str] = (),
@@ -72,6 +80,8 @@ def measure(
 
     Parameters
     ----------
+    truth : callable, optional
+        The truth about a pair of the footage; `remembered_truth` of it for several methods in turn.
     pair_count : int, optional
         Only so many of its pairs, from the first on.
     periods : (W,) array, optional
@@ -92,6 +102,7 @@ def measure(
     """
     import soft
 
+    truth = truth or remembered_truth(footage)
     count = min(pair_count or footage.pair_count, footage.pair_count)
     sequence = soft.ImageSequence.open(footage.folder).select(stop=count + 1)
     clock = _Clock()
@@ -102,13 +113,13 @@ def measure(
         seconds = clock.running_share() * flow.attrs["seconds_per_pair"]
         scores, profiles, places, responses = [], [], [], []
         for pair in range(count):
-            truth, measured = footage.truth(pair), flow.isel(pair=pair).load()
-            scores.append(score_pair(truth, measured))
+            true, measured = truth(pair), flow.isel(pair=pair).load()
+            scores.append(score_pair(true, measured))
             if "node_x" not in measured:  # a grid's nodes are too few to be sorted
-                profiles.append(error_profile(truth, measured))
-                places.append(worst_place(footage.picture(pair), truth, measured))
+                profiles.append(error_profile(true, measured))
+                places.append(worst_place(footage.picture(pair), true, measured))
             if periods is not None:
-                responses.append(response_sums(truth, measured, periods))
+                responses.append(response_sums(true.data, measured, periods))
         facts = {name: flow.attrs[name] for name in ("method", "options", "versions")}
         others = [_imported(name)(footage, flow) for name in further]
     if path is not None:

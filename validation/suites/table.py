@@ -8,7 +8,8 @@ from typing import TYPE_CHECKING, Any, TextIO
 import numpy as np
 
 from validation.suites.execution import is_measured, measured_file
-from validation.suites.plan import Look, Suite
+from validation.suites.measurement_file import open_measurement
+from validation.suites.plan import Suite
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -49,7 +50,7 @@ def collect(suite: Suite, out: Path) -> list[Line]:
     found: list[Line] = []
     for look in suite.looks:
         if is_measured(out, look):
-            with open_measurement(out, look) as measured:
+            with open_measurement(measured_file(out, look)) as measured:
                 found += lines_of(measured.load())
     return found
 
@@ -69,13 +70,6 @@ def lines_of(measured: "xr.Dataset") -> list[Line]:
         for pair in range(measured.sizes["pair"])
         for k, stratum in enumerate(measured["stratum"].values)
     ]
-
-
-def open_measurement(out: Path, look: Look) -> "xr.Dataset":
-    """A measurement, as it lies on disk; to be closed."""
-    import xarray as xr
-
-    return xr.open_dataset(measured_file(out, look), engine="h5netcdf")
 
 
 def _plain(value: Any) -> Any:

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.strata import find_strata
+from validation.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -21,14 +21,15 @@ _SHEARED = 0.1
 """1/frame; shear strain from which a place is sheared."""
 
 
-def worst_place(picture: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset") -> "xr.Dataset":
+def worst_place(picture: np.ndarray, true: TruePair, flow: "xr.Dataset") -> "xr.Dataset":
     """Cut out the surroundings of the greatest mean error of one pair.
 
     Parameters
     ----------
     picture : (H, W) array
         The first one, grey.
-    truth, flow : xarray.Dataset
+    true : TruePair
+    flow : xarray.Dataset
         Over `y, x`.
 
     Returns
@@ -39,7 +40,7 @@ def worst_place(picture: np.ndarray, truth: "xr.Dataset", flow: "xr.Dataset") ->
     """
     import xarray as xr
 
-    strata = find_strata(truth)
+    truth, strata = true.data, true.strata
     soil = strata.masks["all"]
     error = np.hypot(flow["u"].values - truth["u"].values, flow["v"].values - truth["v"].values)
     if "valid" in flow:

@@ -4,8 +4,9 @@ import numpy as np
 import pytest
 
 from synth.dataset.design import points_of
+from synth.dataset.execution import Asked
 from synth.dataset.members import bed_key, deal_out, members_of
-from synth.dataset.sweep import Split, Sweep, SweepError, load_sweep
+from synth.dataset.sweep import SPLITS, Split, Sweep, SweepError, load_sweep
 from synth.scene import SceneError, changed_scene, load_scene
 
 FILE = """
@@ -78,6 +79,14 @@ def test_a_key_that_does_not_exist_is_refused_and_named(key):
     sweep = make_sweep({key: [0.1]}, quick=True)
     with pytest.raises(SweepError, match=key.partition(".")[0]):
         members_of(sweep, load_scene("rolling_wheel", quick=True))
+
+
+@pytest.mark.parametrize(("shares", "empty"), [((0.8, 0.1, 0.1), ["validation", "test"]), ((1, 0, 0), [])])
+def test_a_split_that_gets_no_member_is_told(shares, empty):
+    split = Split(**dict(zip(SPLITS, shares, strict=True)))
+    sweep = make_sweep({"drive.slip": [0.1, 0.2]}, quick=True).model_copy(update={"split": split})
+    base = load_scene("rolling_wheel", quick=True)
+    assert Asked(sweep, base, members_of(sweep, base)).empty_splits == empty
 
 
 def test_a_grid_has_every_combination_in_order():

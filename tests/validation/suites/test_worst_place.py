@@ -5,6 +5,7 @@ import pytest
 import xarray as xr
 
 from validation.suites.worst_place import SIDE, worst_place
+from validation.truth_pass import TruePair
 
 SHAPE = (200, 240)
 
@@ -35,7 +36,7 @@ def flow(u):
 def test_finds_it(truth):
     u = np.full(SHAPE, 2.0)
     u[50:70, 80:100] += 1.0
-    place = worst_place(np.full(SHAPE, 100, np.uint8), truth, flow(u))
+    place = worst_place(np.full(SHAPE, 100, np.uint8), TruePair(truth), flow(u))
     x, y = place.attrs["worst_at"]
     assert abs(x - 89.5) <= 3 and abs(y - 59.5) <= 3
     assert place.attrs["worst_mean"] == pytest.approx(1.0, abs=1e-3)
@@ -47,7 +48,7 @@ def test_finds_it(truth):
 def test_what_is_not_measured_is_bad(truth):
     u = np.full(SHAPE, 2.1)
     u[100:130, 10:40] = np.nan
-    place = worst_place(np.zeros(SHAPE), truth, flow(u))
+    place = worst_place(np.zeros(SHAPE), TruePair(truth), flow(u))
     assert "100% not measured" in place.attrs["worst_because"]
     x, y = place.attrs["worst_at"]
     assert 10 <= x < 40 and 100 <= y < 130
@@ -56,5 +57,5 @@ def test_what_is_not_measured_is_bad(truth):
 def test_at_the_picture_s_corner(truth):
     u = np.full(SHAPE, 2.0)
     u[:12, :12] += 5
-    place = worst_place(np.full(SHAPE, 7, np.uint8), truth, flow(u))
+    place = worst_place(np.full(SHAPE, 7, np.uint8), TruePair(truth), flow(u))
     assert place["worst_picture"][0, 0] == 0 and np.isnan(place["worst_error"][0, 0])

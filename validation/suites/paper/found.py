@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Self
 import numpy as np
 
 from validation.statistics import Interval, StatisticsError, block_bootstrap
-from validation.suites.execution import is_measured
+from validation.suites.execution import is_measured, measured_file
 from validation.suites.headline import BLOCK
+from validation.suites.measurement_file import open_measurement
 from validation.suites.paper.verdict import Variant
 from validation.suites.plan import Look, Suite
-from validation.suites.table import open_measurement
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -74,7 +74,7 @@ class Found:
 
     def _open(self, look: Look) -> "xr.Dataset":
         if look not in self._opened:
-            self._opened[look] = self._stack.enter_context(open_measurement(self.out, look))
+            self._opened[look] = self._stack.enter_context(open_measurement(measured_file(self.out, look)))
         return self._opened[look]
 
 
