@@ -4,14 +4,14 @@ A measurement has forty small variables. To write or read them as netCDF-4 takes
 """
 
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 
 if TYPE_CHECKING:
     import xarray as xr
 
-_ENGINE = "scipy"
+_ENGINE: Final = "scipy"
 
 
 def write_measurement(found: "xr.Dataset", path: Path) -> None:
