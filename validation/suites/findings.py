@@ -6,6 +6,7 @@ say, so that no number in the docs was typed by hand.
 
 import re
 from collections.abc import Callable, Iterable, Sequence
+from functools import partial
 from pathlib import Path
 
 from validation.error_profile import CAUSES
@@ -23,6 +24,8 @@ from validation.suites.leaderboard import (
     standings,
     usual,
 )
+from validation.suites.paper.verdict_table import KEPT as KEPT_VERDICTS
+from validation.suites.paper.verdict_table import verdict_table
 from validation.suites.severities import CLEAN, PAPER
 from validation.suites.table import Line
 
@@ -163,6 +166,10 @@ def resolution(kept: Kept) -> str:
     return _markdown(head, rows)
 
 
+def _verdicts(_: Kept, *, path: Path) -> str:
+    return verdict_table(path)
+
+
 TABLES: dict[str, Callable[[Kept], str]] = {
     "leaderboard": leaderboard,
     "answer": answer,
@@ -171,6 +178,8 @@ TABLES: dict[str, Callable[[Kept], str]] = {
     "by-cause": by_cause,
     "seen-otherwise": seen_otherwise,
     "resolution": resolution,
+    # Of the suite `paper`, whose verdicts are kept in files of their own.
+    **{name: partial(_verdicts, path=path) for name, path in KEPT_VERDICTS.items()},
 }
 _BOTH = (SOFT, INSTEAD)
 _PLACE = re.compile(r"(<!-- findings: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)", re.DOTALL)

@@ -104,7 +104,9 @@ def test_shipped_tables_say_what_they_are_of(shipped):
     assert shipped.about["measured"] <= shipped.about["of"] and shipped.about["versions"]["softbed"]
 
 
-@pytest.mark.parametrize("document", ["README.md", "docs/complex_regions.md", "docs/suites.md"])
+@pytest.mark.parametrize(
+    "document", ["README.md", "docs/complex_regions.md", "docs/suites.md", "docs/paper.md"]
+)
 def test_documents_say_what_the_tables_say(document, shipped):
     text = (ROOT / document).read_text(encoding="utf-8")
     assert "<!-- findings:" in text
