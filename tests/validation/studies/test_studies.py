@@ -3,6 +3,7 @@
 import csv
 import json
 import tomllib
+from functools import partial
 
 import numpy as np
 import pytest
@@ -234,6 +235,8 @@ def test_a_study_of_pictures_takes_every_estimator_there_is(study):
 
 def test_nuisances_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
     monkeypatch.setattr("validation.studies.nuisance.installed", lambda: FEW)
+    small = partial(load_scene, quick=True)
+    monkeypatch.setattr("validation.studies.nuisance.load_scene", lambda name, **_: small(name))
     severities = {"vibration": (2.0,), "exchange": (0.2,)}
     monkeypatch.setattr("validation.studies.nuisance.SEVERITIES", severities)
     status, output, error = softbed("study", "nuisance", tmp_path, "--scene", tiny_wheel_scene, "--json")

@@ -18,10 +18,7 @@ from validation.suites.paper.verdict import (
     published_words,
 )
 
-KEPT = {
-    "paper-verdicts": REFERENCE_FOLDER / "measured" / "paper-verdicts.csv",
-    "paper-quick-verdicts": REFERENCE_FOLDER / "measured" / "paper-quick-verdicts.csv",
-}
+KEPT = {"paper-quick-verdicts": REFERENCE_FOLDER / "measured" / "paper-quick-verdicts.csv"}
 """Files that come along, by the name of their table in the docs."""
 _BESIDE = Variant("robust-affine", JUDGED.severity)
 
