@@ -60,6 +60,10 @@ def draw_heat_map(
     return figure
 
 
+_NAME_LENGTH, _NAME_HEIGHT = 1.6, 0.15
+"""About the ratio of times, and the share of a value, that a method's name takes up beside its point."""
+
+
 def draw_cost(points: Mapping[str, tuple[float, float, float, float]], *, label: str) -> "Figure":
     """Error against time.
 
@@ -80,10 +84,12 @@ def draw_cost(points: Mapping[str, tuple[float, float, float, float]], *, label:
         bars = None if np.isnan(low) else [[max(value - low, 0)], [max(high - value, 0)]]
         colour, marker = _style(number)
         axes.errorbar(seconds, value, yerr=bars, color=colour, marker=marker, capsize=3, markersize=7)
+        taken = any(_is_covered(other, seconds, value) for other in points.values())
         axes.annotate(
             method,
             (seconds, value),
-            xytext=(7, 5),
+            xytext=(-7, 5) if taken else (7, 5),
+            ha="right" if taken else "left",
             textcoords="offset points",
             fontsize=9,
             # Other methods' bars may cross the name.
@@ -95,6 +101,11 @@ def draw_cost(points: Mapping[str, tuple[float, float, float, float]], *, label:
     axes.set_xlabel("time a picture pair, one thread [s]")
     axes.set_ylabel(label)
     return figure
+
+
+def _is_covered(other: tuple[float, ...], seconds: float, value: float) -> bool:
+    """Whether a name to the right of a point would lie upon another one."""
+    return 1 < other[0] / seconds < _NAME_LENGTH and abs(other[1] / value - 1) < _NAME_HEIGHT
 
 
 def draw_profiles(profiles: "Mapping[str, xr.Dataset]", quantity: str) -> "Figure":
