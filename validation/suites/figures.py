@@ -250,9 +250,8 @@ def draw_worst(place: "xr.Dataset", *, top: float) -> "Figure":
     speed = row[1].imshow(place["worst_speed"].values, cmap=cm.batlow, vmin=0, vmax=top)
     error = np.maximum(place["worst_error"].values, low)
     image = row[2].imshow(error, cmap=cm.lajolla_r, norm=LogNorm(low, high))
-    beside = [
-        figure.add_axes((left + _WORST_PANEL[0] + 0.008, 0.06, 0.014, 0.78)) for left in _WORST_LEFT[1:]
-    ]
+    width, height = _WORST_PANEL
+    beside = [figure.add_axes((left + width + 0.008, 0.06, 0.014, height)) for left in _WORST_LEFT[1:]]
     figure.colorbar(speed, cax=beside[0])
     bar = figure.colorbar(image, cax=beside[1], extend="both")
     bar.set_ticks([0.1, 1, 10], labels=["0.1", "1", "10"])

@@ -24,6 +24,7 @@ from validation.suites.leaderboard import (
     standings,
     usual,
 )
+from validation.suites.markdown_table import markdown_table
 from validation.suites.paper.verdict_table import KEPT as KEPT_VERDICTS
 from validation.suites.paper.verdict_table import verdict_table
 from validation.suites.severities import CLEAN, PAPER
@@ -57,7 +58,7 @@ def leaderboard(kept: Kept) -> str:
         ]
         for place, one in enumerate(standings(lines, compared), start=1)
     ]
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def answer(kept: Kept) -> str:
@@ -98,7 +99,7 @@ def how_large(kept: Kept) -> str:
             lines = [line for line in _wheels(kept, severity) if line["stratum"] == stratum]
             told = [_told(lines, m, q) for q in ("median", "p95", WRONG) for m in _BOTH]
             rows.append([severity, stratum, *told, _difference(lines)])
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def by_scene(kept: Kept) -> str:
@@ -113,7 +114,7 @@ def by_scene(kept: Kept) -> str:
         share = sum(one["pixel_count"] for one in own) / max(sum(one["pixel_count"] for one in every), 1)
         told = [_told(own, method, quantity) for quantity in ("median", WRONG) for method in _BOTH]
         rows.append([f"`{scene}`", f"{100 * share:.1f}", *told, _difference(own)])
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def by_cause(kept: Kept) -> str:
@@ -133,7 +134,7 @@ def by_cause(kept: Kept) -> str:
         ]
         for k, cause in enumerate(CAUSES)
     ]
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def seen_otherwise(kept: Kept) -> str:
@@ -153,7 +154,7 @@ def seen_otherwise(kept: Kept) -> str:
         rows.append(
             [_way(label, stride), *(_told(lines, m, WRONG) for m in _BOTH), *changes, _difference(lines)]
         )
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def resolution(kept: Kept) -> str:
@@ -163,7 +164,7 @@ def resolution(kept: Kept) -> str:
     head = ["method", *(f"{severity}: half / nine tenths told from [px]" for severity in (PAPER, CLEAN))]
     methods = dict.fromkeys(kept.profiles["method"].values.tolist())
     rows = [[f"`{m}`", *(_resolved(kept, m, severity) for severity in (PAPER, CLEAN))] for m in methods]
-    return _markdown(head, rows)
+    return markdown_table(head, rows)
 
 
 def _verdicts(_: Kept, *, path: Path) -> str:
@@ -291,8 +292,3 @@ def _with_half(value: float, width: float, unit: str) -> str:
     form = ".1f" if unit else ".3f"
     half = "" if width != width else f" ± {width / 2:{form}}"
     return f"{value:{form}}{half}{unit}"
-
-
-def _markdown(head: Sequence[str], rows: Iterable[Sequence[str]]) -> str:
-    lines = [head, ["---"] * len(head), *rows]
-    return "\n".join(f"| {' | '.join(line)} |" for line in lines)

@@ -82,25 +82,20 @@ def relax(
     first,
     colour,
     motion: ti.template(),
+    from_rest: ti.template(),
 ):
-    """Solve the equations of a piece's pixels of one colour for their own motion (Gauss-Seidel)."""
+    """Solve the equations of a piece's pixels of one colour for their own motion (Gauss-Seidel).
+
+    `from_rest`: all motion is zero, whatever the array still holds.
+    """
     start = first + (row + first + colour) % 2
     end = ti.min(first + PIECE, inverse.shape[1] - AFTER)
     for step in range((end - start + 1) // 2):
         column = start + 2 * step
-        total = pair(right, row, column) + pulled(links, motion, row, column)
+        total = pair(right, row, column)
+        if ti.static(not from_rest):
+            total += pulled(links, motion, row, column)
         solved = block_times(inverse, row, column, total)
-        motion[row, column, 0], motion[row, column, 1] = solved[0], solved[1]
-
-
-@ti.func
-def relax_from_rest(inverse: ti.template(), right: ti.template(), row, first, colour, motion: ti.template()):
-    """Do as `relax` while all motion is still zero."""
-    start = first + (row + first + colour) % 2
-    end = ti.min(first + PIECE, inverse.shape[1] - AFTER)
-    for step in range((end - start + 1) // 2):
-        column = start + 2 * step
-        solved = block_times(inverse, row, column, pair(right, row, column))
         motion[row, column, 0], motion[row, column, 1] = solved[0], solved[1]
 
 
@@ -156,12 +151,10 @@ def descend(
     Of the other colour nothing is left.
     """
     height, width = motion.shape[0] - BEFORE - AFTER, motion.shape[1] - BEFORE - AFTER
-    for piece in range(height * pieces(width)):
-        row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
-        relax_from_rest(inverse, right, row, first, 0, motion)
-    for piece in range(height * pieces(width)):
-        row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
-        relax(inverse, links, right, row, first, 1, motion)
+    for colour in ti.static((0, 1)):
+        for piece in range(height * pieces(width)):
+            row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
+            relax(inverse, links, right, row, first, colour, motion, colour == 0)
     half = coarse_right.shape[1] - BEFORE - AFTER
     for piece in range((coarse_right.shape[0] - BEFORE - AFTER) * pieces(half)):
         row, first = piece // pieces(half) + 1, piece % pieces(half) * PIECE + 1
@@ -190,7 +183,7 @@ def ascend(inverse: Channels, links: Channels, right: Channels, coarse_motion: C
     for colour in ti.static((1, 0)):
         for piece in range(height * pieces(width)):
             row, first = piece // pieces(width) + 1, piece % pieces(width) * PIECE + 1
-            relax(inverse, links, right, row, first, colour, motion)
+            relax(inverse, links, right, row, first, colour, motion, False)
 
 
 @ti.kernel
@@ -199,7 +192,7 @@ def sweep(inverse: Channels, links: Channels, right: Channels, motion: Channels)
     height = motion.shape[0] - BEFORE - AFTER
     for colour in ti.static((0, 1, 0, 1, 0, 1, 1, 0, 1, 0, 1, 0)):
         for row in range(1, height + 1):
-            relax(inverse, links, right, row, 1, colour, motion)
+            relax(inverse, links, right, row, 1, colour, motion, False)
 
 
 @ti.kernel

@@ -7,6 +7,7 @@ import numpy as np
 
 from validation.published import REFERENCE_FOLDER, Published
 from validation.statistics import Interval
+from validation.suites.markdown_table import markdown_table
 from validation.suites.paper.conclusion import Conclusion
 from validation.suites.paper.verdict import (
     DIFFERS,
@@ -28,8 +29,7 @@ def verdict_table(path: Path) -> str:
     conclusion = Conclusion(read_verdicts(path))
     ours, beside = (f"`{one.method}`, severity {one.severity}" for one in (JUDGED, _BESIDE))
     head = ["experiment", "published", "", ours, "in truth", beside, "verdict"]
-    rows = [head, ["---"] * len(head), *(_cells(conclusion, row) for row in conclusion.judged)]
-    table = "\n".join(f"| {' | '.join(row)} |" for row in rows)
+    table = markdown_table(head, (_cells(conclusion, row) for row in conclusion.judged))
     return f"**{conclusion.sentence}.**\n\n{table}"
 
 
