@@ -38,6 +38,8 @@ class TruthWriter:
             self._variable(name, dtype, unit, meaning)
         # h5netcdf has no way to write a chunk that is compressed already; h5py, below it, has.
         self._chunks = {name: self._file[name]._h5ds.id for name in VARIABLES}
+        # Its own variables leave weak references behind, and an interrupt that meets one's end is lost.
+        self._camera = {name: self._file[name]._h5ds for name in CAMERA_VARIABLES}
 
     def _by_pair(self, name: str, values: "np.ndarray", unit: str, meaning: str) -> None:
         variable = self._file.create_variable(name, ("pair",), data=values)
@@ -62,8 +64,8 @@ class TruthWriter:
         """Write the truth of a pair."""
         chunks = {name: deflated_chunk(_stored(truth.arrays[name], name)) for name in VARIABLES}
         require_space(self._path, sum(map(len, chunks.values())))
-        for name in CAMERA_VARIABLES:
-            self._file.variables[name][pair] = truth.camera[name]
+        for name, values in self._camera.items():
+            values[pair] = truth.camera[name]
         for name, chunk in chunks.items():
             self._chunks[name].write_direct_chunk((pair, 0, 0), chunk)
 

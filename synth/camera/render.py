@@ -1,20 +1,22 @@
 """A recording in, footage out: pictures and the truth about them, streamed frame by frame."""
 
+import math
 import os
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from synth.camera.stages import StageClock
+from synth.devices import start_taichi, thread_count
 from synth.footage import Footage, write_sequence
 
 if TYPE_CHECKING:
-    from synth.camera.writing import FootageWriter
+    from synth.camera.writing_end import Footing
     from synth.recording import Recording
     from synth.scene import Scene
 
-_WORTH_A_PROCESS = 5e6
-"""px of all pictures; fewer are written before another process has come up."""
+_WORTH_A_CREW = 30e6
+"""px of all pictures; fewer are made before other processes have come up."""
 
 
 def render(
@@ -53,59 +55,51 @@ def render(
     ValueError
         A recording with fewer than two frames, one without soil in view, or a folder that holds something.
     """
-    from synth.camera.nuisance import as_seen
-    from synth.camera.writing import FootageWriter
     from synth.camera.writing_end import Footing
-    from synth.devices import start_taichi
 
     _check(recording, folder)
-    start_taichi(device, threads)
     (folder / "frames").mkdir(parents=True, exist_ok=True)
-    clock = clock or StageClock()
+    clock, threads = clock or StageClock(), threads or thread_count()
     shape = scene.camera.height, scene.camera.width
     footing = Footing(folder, scene, recording.data["time"].values, shape)
-    with FootageWriter(footing, apart=_write_apart(scene, recording), clock=clock) as writer:
-        _render_frames(as_seen(recording, scene), scene, writer, clock, progress)
+    if device == "cpu" and _worth_a_crew(recording, shape, threads):
+        from synth.camera.crew import render_in_turn
+
+        render_in_turn(footing, recording, threads=threads, clock=clock, progress=progress)
+    else:
+        start_taichi(device, threads)
+        _render_here(footing, recording, clock, progress)
     write_sequence(folder, scene.timing.frame_rate, scene.camera.metres_per_pixel, recording.frame_count)
     return Footage.open(folder)
 
 
-def _write_apart(scene: "Scene", recording: "Recording") -> bool:
-    from synth.devices import thread_count
-
-    pixels = recording.frame_count * scene.camera.height * scene.camera.width
-    return thread_count() > 1 and pixels >= _WORTH_A_PROCESS and hasattr(os, "memfd_create")
+def _worth_a_crew(recording: "Recording", shape: tuple[int, int], threads: int) -> bool:
+    enough = recording.frame_count * math.prod(shape) >= _WORTH_A_CREW
+    return threads > 1 and enough and hasattr(os, "memfd_create")
 
 
-def _render_frames(
+def _render_here(
+    footing: "Footing",
     recording: "Recording",
-    scene: "Scene",
-    writer: "FootageWriter",
     clock: StageClock,
     progress: Callable[[int, int], None] | None,
 ) -> None:
-    from synth.camera.pair_truth import pair_truth
-    from synth.camera.photographer import Photographer
-    from synth.truth import grains_and_motion
+    from synth.camera.frames import make_frames
+    from synth.camera.nuisance import as_seen
+    from synth.camera.placements import every_step
+    from synth.camera.writing import writing_beside
 
-    with clock.stage("strewing"):
-        grains, motion = grains_and_motion(recording, scene)
-    placement, previous, count = motion.start(), None, recording.frame_count
-    photographer = Photographer(scene, recording, grains, motion, clock)
-    for frame in range(count):
-        with clock.stage("waiting"):
-            room = writer.room()
-        covered = photographer.light(placement, previous, room.light)
-        writer.write_picture(room, frame)
-        if frame + 1 < count:
-            with clock.stage("moving"):
-                following = motion.advance(placement)
-            with clock.stage("truth"):
-                pair = pair_truth(scene, recording, covered, motion, placement, following, arrays=room.truth)
-            writer.write_truth(room, pair)
-            placement, previous = following, placement
+    count = recording.frame_count
+
+    def frame_done(frame: int) -> None:
         if progress is not None:
             progress(frame + 1, count)
+
+    with writing_beside(footing, clock) as writer:
+        seen = as_seen(recording, footing.scene)
+        make_frames(
+            seen, footing.scene, writer, clock, lambda motion: every_step(motion, count, clock), frame_done
+        )
 
 
 def _check(recording: "Recording", folder: Path) -> None:

@@ -5,6 +5,10 @@ import threading
 import time
 from collections import defaultdict
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from synth.camera.crew_process import Summary
 
 
 class StageClock:
@@ -14,16 +18,13 @@ class StageClock:
     ----------
     seconds : dict
         By stage, in the order they were met first.
-    processor_elsewhere : float
-        Seconds of the processor that other processes have used for it.
-    memory_elsewhere : int
-        Bytes that other processes have needed at most.
+    elsewhere : list of Summary
+        What other processes say of themselves.
     """
 
     def __init__(self) -> None:
         self.seconds: dict[str, float] = defaultdict(float)
-        self.processor_elsewhere = 0.0
-        self.memory_elsewhere = 0
+        self.elsewhere: list[Summary] = []
         self._lock = threading.Lock()
 
     @contextlib.contextmanager
@@ -33,3 +34,9 @@ class StageClock:
         yield
         with self._lock:
             self.seconds[name] += time.perf_counter() - began
+
+    def add(self, summary: "Summary") -> None:
+        """Add what another process has spent."""
+        for name, seconds in summary.seconds.items():
+            self.seconds[name] += seconds
+        self.elsewhere.append(summary)

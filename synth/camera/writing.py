@@ -1,71 +1,28 @@
-"""What is left to do of a frame is done beside, while the next one is rendered: noise, compression, files.
+"""Who renders hands on what is left to do of a frame, and goes on with the next one."""
 
-Where there is much of it a process of its own does it: taichi's kernels hold Python's global lock, and a
-thread would wait for them. Both do the same, so the files are the same.
-"""
-
-import os
-import subprocess
+import contextlib
 import threading
+from collections.abc import Iterator
 from multiprocessing import Pipe
 from multiprocessing.connection import Connection
-from types import TracebackType
-from typing import TYPE_CHECKING, Self
+from typing import TYPE_CHECKING
 
-from synth.camera.rooms import Room, bytes_needed, memory_for, rooms_in
+from synth.camera.rooms import Room, memory_for, rooms_in
 from synth.camera.stages import StageClock
-from synth.camera.writing_end import Done, Footing, Freed, Order, WritePicture, WriteTruth, carry_out
-from synth.camera.writing_process import start_process
+from synth.camera.writing_end import End, Footing, Freed, Order, WritePicture, WriteTruth, carry_out
 
 if TYPE_CHECKING:
     from synth.truth import PairTruth
 
-_LONGEST_ORDER = 30.0
-"""Seconds that a process may go on with what it is at, where nobody wants the rest."""
-
-
-class WritingError(RuntimeError):
-    """The process that writes ended without a word."""
-
 
 class FootageWriter:
-    """Writes pictures and truth in the order they come, from rooms that are used again and again.
+    """Gives orders to write pictures and truth, from rooms that are used again and again.
 
-    An error in writing comes up at the next call, or at the end.
-
-    Parameters
-    ----------
-    footing : Footing
-    apart : bool
-        In a process of its own, which costs half a second of a core to start; otherwise in a thread.
-    clock : StageClock, optional
-        Adds up how long each stage takes, once all is written.
+    An error in writing comes up at the next call; an EOFError tells that nobody writes any more.
     """
 
-    def __init__(self, footing: Footing, *, apart: bool, clock: StageClock | None = None) -> None:
-        self._clock = clock or StageClock()
-        self._orders, theirs = Pipe()
-        self._process: subprocess.Popen[bytes] | None = None
-        self._thread: threading.Thread | None = None
-        if apart:
-            rooms = self._start_process(footing, theirs)
-        else:
-            rooms = rooms_in(memory_for(footing.shape), footing.shape)
-            self._thread = threading.Thread(target=carry_out, args=(theirs, footing, rooms), daemon=True)
-            self._thread.start()
-        self._rooms, self._free = tuple(rooms), list(rooms)
-
-    def _start_process(self, footing: Footing, theirs: Connection) -> list[Room]:
-        memory = os.memfd_create("footage")
-        try:
-            os.truncate(memory, bytes_needed(footing.shape))
-            rooms = rooms_in(memory_for(footing.shape, memory), footing.shape)
-            self._process = start_process(theirs, memory)
-        finally:
-            os.close(memory)
-            theirs.close()
-        self._orders.send(footing)
-        return rooms
+    def __init__(self, orders: Connection, rooms: list[Room]) -> None:
+        self._orders, self._rooms, self._free = orders, rooms, list(rooms)
 
     def room(self) -> Room:
         """Wait for a room that the next frame can be put in."""
@@ -81,61 +38,53 @@ class FootageWriter:
         """Write the truth of a pair, which lies in a room; the room is given back."""
         self._tell(WriteTruth(room.number, pair.first, pair.second, pair.camera))
 
-    def _tell(self, order: Order | None) -> None:
+    def _tell(self, order: Order) -> None:
         try:
             self._orders.send(order)
         except OSError:
-            while True:  # why nobody listens is the last that was said
-                self._hear()
+            self.wait_for_end()  # why nobody listens is the last that was said
 
-    def _hear(self) -> Done | None:
+    def wait_for_end(self) -> None:
+        """Hear all that is still said; raises the error that ended it, or an EOFError."""
+        while True:
+            self._hear()
+
+    def _hear(self) -> None:
         try:
-            answer = self._orders.recv()
-        except (EOFError, OSError):
-            raise WritingError(f"footage: the process that writes it has ended{self._how()}") from None
+            answer: Freed | BaseException = self._orders.recv()
+        except OSError:
+            raise EOFError from None
         if isinstance(answer, BaseException):
             raise answer
-        if isinstance(answer, Freed):
-            self._free.append(self._rooms[answer.room])
-            return None
-        return answer
+        self._free.append(self._rooms[answer.room])
 
-    def _how(self) -> str:
-        status = None if self._process is None else self._process.wait()
-        return "" if status is None else f", with status {status}"
 
-    def __enter__(self) -> Self:
-        return self
+@contextlib.contextmanager
+def writing_beside(footing: Footing, clock: StageClock) -> Iterator[FootageWriter]:
+    """Write in a thread; all is written at the end."""
+    ours, theirs = Pipe()
+    rooms = rooms_in(memory_for(footing.shape), footing.shape)
+    thread = threading.Thread(
+        target=_write, args=(End(theirs, rooms), footing, clock), daemon=True, name="footage"
+    )
+    thread.start()
+    try:
+        writer = FootageWriter(ours, rooms)
+        yield writer
+        with contextlib.suppress(EOFError):
+            writer.wait_for_end()
+    finally:
+        ours.close()
+        thread.join()
 
-    def __exit__(
-        self,
-        kind: type[BaseException] | None,
-        error: BaseException | None,
-        trace: TracebackType | None,
-    ) -> None:
-        try:
-            if kind is None:
-                self._finish()
-        finally:
-            self._orders.close()
-            self._wait_for_end()
 
-    def _finish(self) -> None:
-        self._tell(None)
-        while (done := self._hear()) is None:
-            pass
-        for stage, seconds in done.seconds.items():
-            self._clock.seconds[stage] += seconds
-        if self._process is not None:
-            self._clock.processor_elsewhere += done.processor
-            self._clock.memory_elsewhere = max(self._clock.memory_elsewhere, done.peak_memory)
-
-    def _wait_for_end(self) -> None:
-        if self._thread is not None:
-            self._thread.join()
-        if self._process is not None:
-            try:
-                self._process.wait(_LONGEST_ORDER)
-            except subprocess.TimeoutExpired:
-                self._process.kill()
-                self._process.wait()
+def _write(end: End, footing: Footing, clock: StageClock) -> None:
+    try:
+        carry_out([end], footing, clock)
+    except EOFError:
+        pass  # nobody wants it any more
+    except BaseException as error:
+        with contextlib.suppress(OSError):
+            end.orders.send(error)
+    finally:
+        end.orders.close()

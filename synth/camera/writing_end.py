@@ -1,13 +1,6 @@
-"""The end at which frames are written, in a thread or a process of its own.
+"""The end at which frames are written: noise, compression, files, while the next ones are rendered."""
 
-It takes orders until it is told that there are no more, or nobody is left to give any.
-"""
-
-import contextlib
-import os
-import pickle
-import time
-import traceback
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from multiprocessing.connection import Connection
 from pathlib import Path
@@ -25,9 +18,6 @@ from synth.truth_file import TruthWriter
 
 if TYPE_CHECKING:
     from synth.scene import Scene
-
-_PATIENCE = 2.0
-"""Seconds between two looks at whether the process that gives orders still lives."""
 
 
 @dataclass(frozen=True)
@@ -78,60 +68,50 @@ class Freed:
     room: int
 
 
-@dataclass(frozen=True)
-class Done:
-    """Answer: everything is written.
+@dataclass(frozen=True, eq=False)
+class End:
+    """From where orders come, and the rooms they speak of."""
 
-    Attributes
+    orders: Connection
+    rooms: list[Room]
+
+    def next_order(self) -> Order:
+        """Wait for the next order, or raise what came instead of it."""
+        order: Order | BaseException = self.orders.recv()
+        if isinstance(order, BaseException):
+            raise order
+        return order
+
+
+def carry_out(
+    ends: Sequence[End],
+    footing: Footing,
+    clock: StageClock,
+    progress: Callable[[int, int], None] | None = None,
+) -> None:
+    """Write all frames in their order, whatever the order they are made in: the files are always the same.
+
+    Parameters
     ----------
-    seconds : dict
-        By stage.
-    processor : float
-        Seconds of the processor for all of them.
-    peak_memory : int
-        Bytes, of the process at most.
+    ends : sequence of End
+        The n-th gives the orders for every frame whose number leaves n over, divided by their count.
+    footing : Footing
+    clock : StageClock
+        Adds up how long each stage takes.
+    progress : callable, optional
+        Called with the frames written and the frames in all.
     """
-
-    seconds: dict[str, float]
-    processor: float
-    peak_memory: int
-
-
-def carry_out(orders: Connection, footing: Footing, rooms: list[Room]) -> None:
-    """Carry out orders; `None` is the last. What goes wrong is the answer, and nothing is done after it."""
-    clock, processor = StageClock(), 0.0
-    try:
-        with TruthWriter(footing.folder / "truth.nc", footing.scene, footing.frame_times) as file:
-            while (order := _next_order(orders)) is not None:
-                began = time.thread_time()
-                _carry_out_one(order, footing, rooms[order.room], file, clock)
-                processor += time.thread_time() - began
+    count = len(footing.frame_times)
+    with TruthWriter(footing.folder / "truth.nc", footing.scene, footing.frame_times) as file:
+        for frame in range(count):
+            end = ends[frame % len(ends)]
+            for _ in range(2 if frame + 1 < count else 1):
+                order = end.next_order()
+                _carry_out_one(order, footing, end.rooms[order.room], file, clock)
                 if isinstance(order, WriteTruth):
-                    orders.send(Freed(order.room))
-        orders.send(Done(dict(clock.seconds), processor, _peak_memory()))
-    except EOFError:
-        pass  # nobody wants it any more
-    except BaseException as error:
-        with contextlib.suppress(OSError):
-            orders.send(_that_travels(error))
-    finally:
-        orders.close()
-
-
-def _next_order(orders: Connection) -> Order | None:
-    giver = os.getppid()
-    while not orders.poll(_PATIENCE):
-        if os.getppid() != giver:
-            raise EOFError
-    order: Order | None = orders.recv()
-    return order
-
-
-def _peak_memory() -> int:
-    # What `getrusage` tells of a process includes the one that it was started from.
-    status = Path("/proc/self/status")
-    lines = status.read_text().splitlines() if status.is_file() else []
-    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM:")), 0)
+                    end.orders.send(Freed(order.room))
+            if progress is not None:
+                progress(frame + 1, count)
 
 
 def _carry_out_one(order: Order, footing: Footing, room: Room, file: TruthWriter, clock: StageClock) -> None:
@@ -144,13 +124,3 @@ def _carry_out_one(order: Order, footing: Footing, room: Room, file: TruthWriter
     else:
         with clock.stage("writing"):
             file.write(order.first, PairTruth(order.first, order.second, room.truth, order.camera))
-
-
-def _that_travels(error: BaseException) -> BaseException:
-    """An error as it can be sent, with the place it comes from."""
-    error.add_note("".join(traceback.format_exception(error)))
-    try:
-        pickle.loads(pickle.dumps(error))
-    except Exception:
-        return RuntimeError(f"{type(error).__name__}: {error}")
-    return error

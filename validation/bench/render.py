@@ -20,7 +20,8 @@ if TYPE_CHECKING:
     from synth.camera.stages import StageClock
     from synth.scene import SoilBinScene
 
-FRAME_COUNT = 9
+FRAME_COUNT = 48
+"""So many that two processes share them."""
 SUPERSAMPLING = (4, 6)
 """The least a scene may have, and the default scene's."""
 
@@ -43,18 +44,14 @@ def bench_render(
     threads : int, optional
         Default: every core.
     """
-    from synth.devices import start_taichi
-
-    start_taichi(threads=threads)
     rows: list[BenchRow] = []
     total = len(supersampling) * repeats
     for case, sampling in enumerate(supersampling):
         scene = _scene(sampling)
         recording = rolling_field(scene, FRAME_COUNT)
         runs: list[_Rendering] = []
-        _rendered(recording, scene)  # kernels are compiled, or read from the cache
         for repeat in range(repeats):
-            runs.append(_rendered(recording, scene))
+            runs.append(_rendered(recording, scene, threads))
             if progress is not None:
                 progress(case * repeats + repeat + 1, total)
         rows += _rows(scene, recording, runs)
@@ -77,41 +74,41 @@ class _Rendering:
 
     Attributes
     ----------
+    start : float
+        Seconds until the first picture is written: texture is strewn, and processes come up.
     rate : float
-        Frames a second after the first one, which waits for the texture to be strewn.
+        Pictures a second after that.
     processor : float
         Seconds of all cores together for each of these: another program on the machine hardly changes them.
     clock : StageClock
     """
 
+    start: float
     rate: float
     processor: float
     clock: "StageClock"
 
 
-def _rendered(recording: "Recording", scene: "SoilBinScene") -> _Rendering:
+def _rendered(recording: "Recording", scene: "SoilBinScene", threads: int | None) -> _Rendering:
     from synth.camera.render import render
     from synth.camera.stages import StageClock
 
-    clock, times, processor = StageClock(), [], []
+    clock, times, processor = StageClock(), [time.perf_counter()], []
 
     def frame_done(*_: int) -> None:
         times.append(time.perf_counter())
         processor.append(time.process_time())
 
-    with tempfile.TemporaryDirectory() as folder:
-        render(
-            recording,
-            scene,
-            Path(folder) / "footage",
-            progress=frame_done,
-            clock=clock,
-        ).close()
+    with tempfile.TemporaryDirectory() as place:
+        folder = Path(place) / "footage"
+        render(recording, scene, folder, threads=threads, progress=frame_done, clock=clock).close()
         frame_done()
-    frames = len(times) - 2
-    elsewhere = clock.processor_elsewhere / FRAME_COUNT
-    used = (processor[-1] - processor[0]) / frames + elsewhere
-    return _Rendering(frames / (times[-1] - times[0]), used, clock)
+    # Processes that take turns have their first pictures at about the same time.
+    first = max(len(clock.elsewhere), 1)
+    rate = (FRAME_COUNT - first) / (times[-1] - times[first])
+    elsewhere = sum(one.processor for one in clock.elsewhere) / first
+    used = (processor[-1] - processor[first - 1]) / (FRAME_COUNT - first) + elsewhere
+    return _Rendering(times[1] - times[0], rate, used, clock)
 
 
 def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering]) -> list[BenchRow]:
@@ -121,28 +118,32 @@ def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering])
     def row(metric: str, values: list[float], unit: str) -> BenchRow:
         return BenchRow(case, "softbed", version, True, metric, median(values), unit, len(values))
 
+    # What processes share counts once for each.
+    elsewhere = max(sum(one.peak_memory for one in run.clock.elsewhere) for run in runs)
+    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2 + elsewhere / 1024**3
     visible, in_view = _micro_grains(scene, recording)
     rows = [
         row("pictures with truth", [run.rate for run in runs], "1/s"),
+        row("until the first picture", [run.start for run in runs], "s"),
         row("processor time", [run.processor for run in runs], "s/picture"),
         row("micro-grains that are seen", [float(visible)], "1"),
         row("micro-grains in view, hidden ones too", [float(in_view)], "1"),
     ]
     for stage in runs[0].clock.seconds:
-        unit = "s" if stage == "strewing" else "s/picture"
-        frames = 1 if stage == "strewing" else FRAME_COUNT
-        rows.append(row(stage, [run.clock.seconds[stage] / frames for run in runs], unit))
-    # The process that writes, too: what both share counts twice.
-    writer = max(run.clock.memory_elsewhere for run in runs)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2 + writer / 1024**3
-    return [*rows, row("peak memory so far, of both processes", [peak], "GiB")]
+        if stage != "strewing":
+            seconds = [run.clock.seconds[stage] / FRAME_COUNT for run in runs]
+            rows.append(row(stage, seconds, "s/picture"))
+    return [*rows, row("peak memory so far, of all processes", [peak], "GiB")]
 
 
 def _micro_grains(scene: "SoilBinScene", recording: "Recording") -> tuple[int, int]:
     """Micro-grains that cover a sample of the first picture, and those that lie in it."""
     from synth.camera.cover import cover
-    from synth.camera.cover_kernels import IMPLEMENT, NOTHING
+    from synth.devices import start_taichi
     from synth.truth import grains_and_motion
+
+    start_taichi()
+    from synth.camera.cover_kernels import IMPLEMENT, NOTHING
 
     grains, motion = grains_and_motion(recording, scene)
     covered = cover(scene, recording, grains, motion.start())

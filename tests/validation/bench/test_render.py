@@ -31,6 +31,6 @@ def test_rows_tell_rate_grains_stages_and_memory(monkeypatch):
     assert rows["pictures with truth"].repeats == 2
     seen, hidden = rows["micro-grains that are seen"], rows["micro-grains in view, hidden ones too"]
     assert 0 < seen.value < hidden.value
-    assert {"strewing", "covering", "lighting", "moving", "truth", "writing"} <= set(rows)
-    assert 0 < rows["peak memory so far, of both processes"].value < 16
+    assert {"until the first picture", "covering", "lighting", "moving", "truth", "writing"} <= set(rows)
+    assert 0 < rows["peak memory so far, of all processes"].value < 16
     assert all(row.value == pytest.approx(row.value) and row.own for row in rows.values())
