@@ -1,8 +1,11 @@
 """The pipeline: from a sequence of pictures to soil flow (Fig. 3)."""
 
 import json
+import os
 import platform
-from collections.abc import Callable, Mapping
+from collections import deque
+from collections.abc import Callable, Iterator, Mapping
+from concurrent.futures import Executor, Future
 from dataclasses import dataclass
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
@@ -14,7 +17,15 @@ from soft.flow import DEFAULT, FlowError, FlowFiles, find_estimator, resolve_opt
 from soft.flow.files import PREFIX
 from soft.flow_store import FlowStore
 from soft.inertial import CAMERA_CHOICES
-from soft.pair_analysis import PairSettings, analyze_pair, is_files, is_own_function
+from soft.pair_analysis import (
+    PairPictures,
+    PairRecord,
+    PairSettings,
+    analyze_pair,
+    is_files,
+    is_own_function,
+    pairs_of,
+)
 from soft.segmentation import SOIL_CHOICES
 from soft.sequence import ImageSequence
 from soft.soilflow import SCHEMA_VERSION
@@ -26,6 +37,8 @@ if TYPE_CHECKING:
 
 # Distributions whose version may change a number in the result; OpenCV's is told by the library itself.
 _DISTRIBUTIONS = ("softbed", "numpy", "scikit-image", "scikit-learn", "taichi", "xarray", "h5netcdf")
+_AHEAD = 2
+"""Pairs a core that an executor is given before the first of them is asked for: memory holds as many."""
 
 
 @dataclass(frozen=True)
@@ -51,6 +64,7 @@ def analyze(
     progress: Callable[[int, int], None] | None = None,
     path: str | Path | None = None,
     keep: str | Path | None = None,
+    executor: Executor | None = None,
 ) -> "xarray.Dataset":
     """Measure soil flow between the pictures of every pair.
 
@@ -90,6 +104,10 @@ def analyze(
         stop, only what is missing, or depends on other pictures or settings, is measured, and the result has
         the same values. It is yours to remove once the result is safe. Nothing is kept of a function of your
         own, whose code may have changed.
+    executor : concurrent.futures.Executor, optional
+        Takes pairs, several at a time, each with `threads` threads: processes on this machine
+        (`ProcessPoolExecutor`, of the context "spawn"), or whatever else is one. Everything that it is given
+        must be picklable, a function of your own too. Results do not depend on it.
 
     Returns
     -------
@@ -119,12 +137,15 @@ def analyze(
         identity={
             "method": estimator.name, "options": recorded, "device": device, "versions": _versions(),
         },
+        metres_per_pixel=sequence.metres_per_pixel,
+        pair_time=sequence.pair_time,
     )  # fmt: skip
     keeps = keep is not None and not is_own_function(method) and not is_files(method)
     store = FlowStore(Path(keep)) if keep is not None and keeps else None
     writer = _writer(sequence, path, gridded=estimator.gridded)
     try:
-        told = _analyze_pairs(sequence, settings, writer, store, progress)
+        records = _records(pairs_of(sequence), settings, store, executor)
+        told = _put_all(records, sequence, settings, writer, progress)
         return writer.finish(_attributes(sequence, settings, told))
     except BaseException:
         writer.abandon()
@@ -141,11 +162,31 @@ def _writer(sequence: ImageSequence, path: str | Path | None, *, gridded: bool) 
     return MemoryWriter(sizes, **form) if path is None else FileWriter(path, sizes, **form)
 
 
-def _analyze_pairs(
+def _records(
+    pairs: Iterator[PairPictures],
+    settings: PairSettings,
+    store: FlowStore | None,
+    executor: Executor | None,
+) -> Iterator[PairRecord]:
+    """What every pair gives, in their order."""
+    if executor is None:
+        yield from (analyze_pair(pair, settings, store) for pair in pairs)
+        return
+    ahead = _AHEAD * (os.cpu_count() or 1)
+    waiting: deque[Future[PairRecord]] = deque()
+    for pair in pairs:
+        waiting.append(executor.submit(analyze_pair, pair, settings, store))
+        if len(waiting) == ahead:
+            yield waiting.popleft().result()
+    while waiting:
+        yield waiting.popleft().result()
+
+
+def _put_all(
+    records: Iterator[PairRecord],
     sequence: ImageSequence,
     settings: PairSettings,
     writer: SoilFlowWriter,
-    store: FlowStore | None,
     progress: Callable[[int, int], None] | None,
 ) -> _Told:
     seconds: list[float] = []
@@ -154,8 +195,7 @@ def _analyze_pairs(
     count = len(sequence.pairs)
     if progress:
         progress(0, count)
-    for k, (first, second) in enumerate(sequence.picture_pairs()):
-        record = analyze_pair(first, second, k, sequence, settings, store)
+    for k, record in enumerate(records):
         writer.put(k, record.values)
         seconds.append(record.seconds)
         remarks += [f"pair {k}: {remark}" for remark in record.remarks]

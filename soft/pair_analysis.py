@@ -1,7 +1,7 @@
 """One pair of pictures: what is soil, how it moves, and what of that is the camera's motion."""
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import dataclass
 from typing import Any
 
@@ -40,6 +40,9 @@ class PairSettings:
         Whether the method measures within a mask only.
     identity : dict
         What flow depends on besides the pictures: method, options spelt out, versions.
+    metres_per_pixel : float or None
+    pair_time : float or None
+        Seconds from a pair's first picture to its second.
     """
 
     method: str | Callable
@@ -52,6 +55,36 @@ class PairSettings:
     device: str
     keeps_to_mask: bool
     identity: dict[str, object]
+    metres_per_pixel: float | None
+    pair_time: float | None
+
+
+@dataclass(frozen=True, eq=False)
+class PairPictures:
+    """One pair of a sequence.
+
+    Attributes
+    ----------
+    number : int
+        Among the pairs.
+    frames : tuple of int
+        First and second.
+    time : float
+        Of the first, s; frames where the rate is unknown.
+    first, second : (H, W) float32
+    usable : (H, W) bool
+        Pixels of the first that the camera saw and the user's mask leaves.
+    seen : (H, W) bool
+        Pixels that the camera saw, in every frame.
+    """
+
+    number: int
+    frames: tuple[int, int]
+    time: float
+    first: np.ndarray
+    second: np.ndarray
+    usable: np.ndarray
+    seen: np.ndarray
 
 
 @dataclass(frozen=True)
@@ -63,33 +96,35 @@ class PairRecord:
     remarks: tuple[str, ...]
 
 
-def analyze_pair(
-    first: np.ndarray,
-    second: np.ndarray,
-    pair: int,
-    sequence: ImageSequence,
-    settings: PairSettings,
-    store: FlowStore | None = None,
-) -> PairRecord:
-    """Analyze one pair of a sequence.
+def pairs_of(sequence: ImageSequence) -> Iterator[PairPictures]:
+    """Every pair of a sequence, in order; no more than two frames are decoded at a time."""
+    for number, (first, second) in enumerate(sequence.picture_pairs()):
+        frames = sequence.pairs[number]
+        time_of_first = frames[0] * (sequence.time_step or 1.0)
+        usable = sequence.usable(frames[0])
+        yield PairPictures(number, frames, time_of_first, first, second, usable, sequence.seen)
+
+
+def analyze_pair(pair: PairPictures, settings: PairSettings, store: FlowStore | None = None) -> PairRecord:
+    """Analyze one pair.
 
     Parameters
     ----------
-    first, second : (H, W) float32 array
-        Its pictures.
-    pair : int
-        Its number.
+    pair : PairPictures
+    settings : PairSettings
     store : FlowStore, optional
         Where its flow may be, and is kept.
     """
-    found = soil_mask(first, soil=settings.soil, seed=settings.seed)
-    soil = found.mask & sequence.usable(sequence.pairs[pair][0])
-    flow = _flow(first, second, around(soil) if settings.keeps_to_mask else None, pair, settings, store)
-    field = flow.field.where(_both_seen(flow.field, sequence.seen))
+    found = soil_mask(pair.first, soil=settings.soil, seed=settings.seed)
+    soil = found.mask & pair.usable
+    flow = _flow(pair, around(soil) if settings.keeps_to_mask else None, settings, store)
+    field = flow.field.where(_both_seen(flow.field, pair.seen))
     inertial = to_inertial(field.displacement, soil, vertical=settings.vertical, camera=settings.camera)
     moving = _moving(inertial.displacement, field.nodes, soil, settings.seed)
+    first, second = pair.frames
     values = _field_values(field) | {"soil": soil, "moving": moving.mask} | _inertial_values(inertial)
-    values |= _velocity_values(inertial.displacement, sequence) | _when(pair, sequence)
+    values |= _velocity_values(inertial.displacement, settings)
+    values |= {"first_frame": first, "second_frame": second, "time": pair.time}
     return PairRecord(values, flow.seconds, (found.remark, moving.remark))
 
 
@@ -109,31 +144,24 @@ def is_own_function(method: str | Callable) -> bool:
 
 
 def _flow(
-    first: np.ndarray,
-    second: np.ndarray,
-    mask: np.ndarray | None,
-    pair: int,
-    settings: PairSettings,
-    store: FlowStore | None,
+    pair: PairPictures, mask: np.ndarray | None, settings: PairSettings, store: FlowStore | None
 ) -> MeasuredFlow:
     if store is None:
-        return _measured(first, second, mask, pair, settings)
-    key = flow_key(settings.identity, first, second, mask)
+        return _measured(pair, mask, settings)
+    key = flow_key(settings.identity, pair.first, pair.second, mask)
     kept = store.find(key)
     if kept is None:
-        kept = _measured(first, second, mask, pair, settings)
+        kept = _measured(pair, mask, settings)
         store.keep(key, kept)
     return kept
 
 
-def _measured(
-    first: np.ndarray, second: np.ndarray, mask: np.ndarray | None, pair: int, settings: PairSettings
-) -> MeasuredFlow:
-    options = dict(settings.options) | ({"pair": pair} if is_files(settings.method) else {})
+def _measured(pair: PairPictures, mask: np.ndarray | None, settings: PairSettings) -> MeasuredFlow:
+    options = dict(settings.options) | ({"pair": pair.number} if is_files(settings.method) else {})
     began = time.perf_counter()
     field = estimate_flow(
-        first,
-        second,
+        pair.first,
+        pair.second,
         method=settings.method,
         mask=mask,
         device=settings.device,
@@ -182,15 +210,10 @@ def _inertial_values(inertial: InertialMotion) -> dict[str, Any]:
     }
 
 
-def _velocity_values(displacement: np.ndarray, sequence: ImageSequence) -> dict[str, Any]:
-    if sequence.metres_per_pixel is None or sequence.pair_time is None:
+def _velocity_values(displacement: np.ndarray, settings: PairSettings) -> dict[str, Any]:
+    if settings.metres_per_pixel is None or settings.pair_time is None:
         return {}
     velocity_x, velocity_z = to_velocity(
-        displacement, metres_per_pixel=sequence.metres_per_pixel, time_step=sequence.pair_time
+        displacement, metres_per_pixel=settings.metres_per_pixel, time_step=settings.pair_time
     )
     return {"velocity_x": velocity_x, "velocity_z": velocity_z}
-
-
-def _when(pair: int, sequence: ImageSequence) -> dict[str, Any]:
-    first, second = sequence.pairs[pair]
-    return {"first_frame": first, "second_frame": second, "time": first * (sequence.time_step or 1.0)}

@@ -1,5 +1,6 @@
 import json
 import tracemalloc
+from concurrent.futures import ThreadPoolExecutor
 
 import cv2
 import numpy as np
@@ -252,6 +253,38 @@ class TestPartsOfPictures:
         # Soil that goes to where nothing was seen is not measured either.
         back = ImageSequence.from_arrays([sequence[2], sequence[0]]).resample(resampling)
         assert not analyze(back, method="farneback", soil="all")["valid"].values[0][20:-20, 20:22].any()
+
+
+class TestWithAnExecutor:
+    def test_values_are_the_same_and_in_order(self, moved):
+        pictures = [moved(shift=(0.5 * k * k, 0))[1] for k in range(6)]
+        sequence = ImageSequence.from_arrays(pictures, metres_per_pixel=2e-4, frame_rate=8)
+        alone = analyze(sequence, method="farneback", soil="all")
+        with ThreadPoolExecutor(3) as executor:
+            together = analyze(sequence, method="farneback", soil="all", executor=executor)
+        xarray.testing.assert_equal(together, alone)
+        assert (np.diff(alone["camera_u"]) > 0.5).all(), "every pair has a motion of its own"
+
+    def test_no_more_is_given_to_it_than_fits_in_memory(self, moved, monkeypatch):
+        monkeypatch.setattr("soft.analysis.os.cpu_count", lambda: 1)
+        sequence = ImageSequence.from_arrays([moved(shift=(k, 0))[1] for k in range(9)])
+        given = []
+
+        class Counting(ThreadPoolExecutor):
+            def submit(self, *arguments):
+                given.append(super().submit(*arguments))
+                return given[-1]
+
+        def progress(done, _):
+            assert len(given) <= done + 2
+
+        with Counting(1) as executor:
+            analyze(sequence, method="farneback", soil="all", executor=executor, progress=progress)
+        assert len(given) == 8
+
+    def test_an_error_is_told(self, sequence):
+        with ThreadPoolExecutor(2) as executor, pytest.raises(FlowError, match="shape"):
+            analyze(sequence, method=lambda first, second, mask: 0, soil="all", executor=executor)
 
 
 class TestStoppedAndContinued:

@@ -46,6 +46,17 @@ def measured(folder, method="farneback"):
     return read_soil_flow(folder / "analysis" / f"{method}.nc")
 
 
+def test_processes_share_the_pairs(softbed, photographs):
+    results = []
+    for count in (1, 2):
+        out = photographs.parent / str(count)
+        arguments = ["analyze", photographs, "--out", out, "--soil", "all", "--method", "farneback"]
+        status, _, error = softbed(*arguments, "--processes", count)
+        assert status == 0, error
+        results.append(measured(out).load())
+    xr.testing.assert_equal(*results)
+
+
 def test_settings_from_a_file_and_options_before_them(softbed, photographs):
     file = photographs.parent / "settings.toml"
     assert softbed("analyze", "--write-settings", file)[0] == 0

@@ -1,7 +1,9 @@
 """Pictures to soil flow, and its figures."""
 
+import os
 import shutil
 from collections.abc import Sequence
+from contextlib import nullcontext
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -10,10 +12,14 @@ from validation.chain.step import Work, made_by, skips
 from validation.manifest import RunFolderError, file_digest, key_of
 from validation.material import Material
 from validation.methods import DEFAULT, Method
+from validation.processes import worker_processes
 from validation.run_folder import RunFolder
 from validation.terminal import Terminal
 
 if TYPE_CHECKING:
+    from concurrent.futures import Executor
+    from contextlib import AbstractContextManager
+
     import xarray as xr
 
     from soft import AnalysisSettings, ImageSequence
@@ -48,7 +54,11 @@ def analyze(
     kept = run.kept_flow(method.slug)
     if kept.is_dir():
         terminal.say(f"{step}: was stopped: flow of {len(list(kept.glob('*.npz')))} pairs is kept")
-    with run.writing(step, key) as draft, terminal.progress(f"analyze with {method.name}") as progress:
+    with (
+        run.writing(step, key) as draft,
+        terminal.progress(f"analyze with {method.name}") as progress,
+        _executor(work) as executor,
+    ):
         path = draft.folder / "analysis" / f"{method.slug}.nc"
         path.parent.mkdir()
         with soft.analyze(
@@ -59,11 +69,12 @@ def analyze(
             camera=settings.camera.motion,
             vertical=settings.camera.vertical,
             seed=settings.flow.seed,
-            threads=work.threads,
+            threads=work.threads if executor is None else _threads_each(work),
             device=work.device,
             progress=progress,
             path=path,
             keep=kept,
+            executor=executor,
         ) as flow:
             travel = str(flow.attrs["camera_speed"])
         draft.facts |= {
@@ -199,6 +210,14 @@ def methods_to_score(
         for method in methods:
             analyze(run, material, method, work=work, terminal=terminal)
     return methods
+
+
+def _executor(work: Work) -> "AbstractContextManager[Executor | None]":
+    return worker_processes(work.processes) if work.processes > 1 else nullcontext()
+
+
+def _threads_each(work: Work) -> int:
+    return max((work.threads or os.cpu_count() or 1) // work.processes, 1)
 
 
 def _analyze_step(method: Method) -> str:

@@ -18,10 +18,13 @@ class Work:
         Where kernels run.
     threads : int or None
         None: every core.
+    processes : int
+        That analyze pairs of pictures, and share the threads.
     """
 
     device: str = "cpu"
     threads: int | None = None
+    processes: int = 1
 
 
 def skips(run: RunFolder, step: str, key: str, terminal: Terminal, *, never: str | None = None) -> bool:

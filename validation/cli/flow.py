@@ -1,7 +1,7 @@
 """Commands that measure and score: analyze, score, run."""
 
 from pathlib import Path
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any
 
 import typer
 
@@ -21,6 +21,7 @@ from validation.cli.options import (
     Out,
     OutFolder,
     Overwrite,
+    Processes,
     Quick,
     RegionText,
     Resume,
@@ -35,6 +36,9 @@ from validation.cli.options import (
     Vertical,
 )
 from validation.terminal import Terminal
+
+if TYPE_CHECKING:
+    from validation.chain import Work
 
 
 @app.command()
@@ -69,6 +73,7 @@ def analyze(
     camera: Camera = None,
     vertical: Vertical = None,
     threads: Threads = None,
+    processes: Processes = 1,
     device: Device = "cpu",
     json: Json = False,
     debug: Debug = False,
@@ -77,6 +82,7 @@ def analyze(
 
     Stopped and called again, it goes on with the pairs that are missing.
     """
+    from validation.chain import Work
     from validation.cli.settings import given_settings, settings_written
 
     terminal = Terminal(json=json)
@@ -93,7 +99,7 @@ def analyze(
         soil={"kind": soil, "masks": masks},
         camera={"motion": camera, "vertical": vertical},
     )
-    _analyze(path, method, out, chosen, threads, device, terminal)
+    _analyze(path, method, out, chosen, Work(device, threads, processes), terminal)
 
 
 def _analyze(
@@ -101,14 +107,12 @@ def _analyze(
     method: list[str] | None,
     out: Path | None,
     settings: Any,
-    threads: int | None,
-    device: str,
+    work: "Work",
     terminal: Terminal,
 ) -> None:
     from validation import chain
     from validation.methods import choose
 
-    work = chain.Work(device, threads)
     with terminal.working(), methods_of_this_folder():
         methods = choose(method or [settings.flow.method])
         with opened_material(path, out, settings) as (run, material):
@@ -129,6 +133,7 @@ def score(
     method: Methods = None,
     out: Out = None,
     threads: Threads = None,
+    processes: Processes = 1,
     device: Device = "cpu",
     json: Json = False,
     debug: Debug = False,
@@ -142,7 +147,7 @@ def score(
 
     terminal = Terminal(json=json)
     with terminal.working(), methods_of_this_folder(), opened_material(path, out) as (run, material):
-        work = chain.Work(device, threads)
+        work = chain.Work(device, threads, processes)
         methods = chain.methods_to_score(run, material, choose(method or []), work=work, terminal=terminal)
         scores = chain.score(run, material, methods, terminal=terminal)
         chain.report(run, material, methods, terminal=terminal)
@@ -159,6 +164,7 @@ def run(
     resume: Resume = True,
     overwrite: Overwrite = False,
     threads: Threads = None,
+    processes: Processes = 1,
     device: Device = "cpu",
     json: Json = False,
     debug: Debug = False,
@@ -170,7 +176,7 @@ def run(
     from validation.run_folder import RunFolder
 
     terminal = Terminal(json=json)
-    work = chain.Work(device, threads)
+    work = chain.Work(device, threads, processes)
     with terminal.working(), methods_of_this_folder():
         methods = choose(method or [DEFAULT])
         chain.require_methods(methods)

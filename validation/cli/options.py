@@ -11,6 +11,9 @@ RunPath = Annotated[Path, typer.Argument(metavar="OUT", help="A run folder.")]
 Quick = Annotated[bool, typer.Option("--quick", help="The scene's smaller and coarser version.")]
 Seed = Annotated[int | None, typer.Option(min=0, metavar="N", help="Another realisation.")]
 Threads = Annotated[int | None, typer.Option(min=1, help="Default: every core.", show_default=False)]
+Processes = Annotated[
+    int, typer.Option(min=1, metavar="N", help="That analyze N pairs at a time, and share the threads.")
+]
 Resume = Annotated[
     bool, typer.Option("--resume/--no-resume", help="Go on where a killed simulation left a checkpoint.")
 ]
