@@ -46,6 +46,22 @@ def measured(folder, method="farneback"):
     return read_soil_flow(folder / "analysis" / f"{method}.nc")
 
 
+def test_vertical_motion_that_is_left_in_is_told(softbed, photographs):
+    arguments = ["analyze", photographs, "--soil", "all", "--method", "farneback"]
+    told = "most soil moves 0.5 px down a pair, which is left in"
+    assert told in softbed(*arguments)[2]
+    assert told not in softbed(*arguments, "--vertical")[2]
+
+
+def test_a_camera_that_seems_unsteady_is_told(softbed, photographs):
+    arguments = ["analyze", photographs, "--soil", "all", "--method", "farneback"]
+    told = "changes much from pair to pair"
+    assert told not in softbed(*arguments)[2]
+    for k in range(3, 7):
+        cv2.imwrite(str(photographs / f"shot{k}.png"), soil(2 * k))
+    assert told in softbed(*arguments)[2]
+
+
 def test_processes_share_the_pairs(softbed, photographs):
     results = []
     for count in (1, 2):

@@ -26,6 +26,11 @@ if TYPE_CHECKING:
 
 _NARROWEST, _WIDEST = 0.01, 10.0
 """Width in m that pictures of a soil bin may have."""
+_STILL = 0.3
+"""Px a pair; what 95 % of the published technique's errors do not exceed."""
+_STEADY = 1.0
+"""Px; a carriage's motion changes less from pair to pair."""
+_PAIRS_LOOKED_AT = 5
 _NEVER_SKIPPED = "a function of your own, whose code may have changed"
 
 
@@ -77,6 +82,7 @@ def analyze(
             executor=executor,
         ) as flow:
             travel = str(flow.attrs["camera_speed"])
+            doubts = _camera_doubts(flow, settings)
         draft.facts |= {
             "method": method.name,
             "pictures": material.digest,
@@ -89,6 +95,8 @@ def analyze(
         }
     shutil.rmtree(kept, ignore_errors=True)
     terminal.say(f"  camera: {travel}")
+    for doubt in doubts:
+        terminal.say(f"  warning: {doubt}")
 
 
 def _tell_size(sequence: "ImageSequence", terminal: Terminal) -> None:
@@ -210,6 +218,38 @@ def methods_to_score(
         for method in methods:
             analyze(run, material, method, work=work, terminal=terminal)
     return methods
+
+
+def _camera_doubts(flow: "xr.Dataset", settings: "AnalysisSettings") -> list[str]:
+    """Say where what was taken out may not be the camera's motion, or not all of it."""
+    import soft
+
+    doubts = []
+    down = _median_down(flow)
+    if not settings.camera.vertical and abs(down) > _STILL:
+        doubts.append(
+            f"most soil moves {abs(down):.1f} px {'down' if down > 0 else 'up'} a pair, which is left in: "
+            "if that is the camera, give --vertical"
+        )
+    if settings.camera.motion == "median" and soft.camera_speed(flow).u_range > _STEADY:
+        doubts.append(
+            "that changes much from pair to pair: where over half of the soil moves, its median is not the "
+            "camera's motion: see --camera mode and far"
+        )
+    return doubts
+
+
+def _median_down(flow: "xr.Dataset") -> float:
+    """Median of soil's vertical displacement in some of the pairs, px."""
+    import numpy as np
+
+    count = flow.sizes["pair"]
+    found = []
+    for pair in range(0, count, max(count // _PAIRS_LOOKED_AT, 1)):
+        one = flow[["v", "soil"]].isel(pair=pair).load()
+        down = one["v"].values[one["soil"].values.astype(bool)]
+        found.append(float(np.nanmedian(down)) if np.isfinite(down).any() else np.nan)
+    return float(np.nanmedian(found)) if np.isfinite(found).any() else 0.0
 
 
 def _executor(work: Work) -> "AbstractContextManager[Executor | None]":
