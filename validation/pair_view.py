@@ -23,6 +23,11 @@ if TYPE_CHECKING:
     from validation.run_folder import RunFolder
 
 
+def middle_pair(count: int) -> int:
+    """The pair that is shown where none is asked for, of so many."""
+    return (count - 1) // 2
+
+
 @dataclass(frozen=True, eq=False)
 class Motion:
     """Motion of soil in the inertial frame.

@@ -19,7 +19,7 @@ from validation.figures import (
 )
 from validation.metrics import WRONG_ABOVE
 from validation.page import Panel, write_page
-from validation.pair_view import PairView, view_pair
+from validation.pair_view import PairView, middle_pair, view_pair
 from validation.published import Published, read_published
 from validation.score import Scores
 from validation.score_table import REGION_COLUMNS, cells, is_published_rotation, number, region_cells
@@ -65,7 +65,7 @@ def write_report(path: Path, run: "RunFolder", material: "Material", methods: "S
 
 def _content(run: "RunFolder", material: "Material", methods: "Sequence[Method]") -> dict[str, Any]:
     scores = Scores.read(run.scores)
-    view = view_pair(run, material, methods, _middle_pair(material))
+    view = view_pair(run, material, methods, middle_pair(len(material.sequence) - 1))
     published = read_published("rotation") if is_published_rotation(run) else {}
     return {
         "title": scores.scene or material.folder.name,
@@ -87,10 +87,6 @@ def _content(run: "RunFolder", material: "Material", methods: "Sequence[Method]"
         "commands": _commands(run, material, methods),
         "program": package_version("softbed"),
     }
-
-
-def _middle_pair(material: "Material") -> int:
-    return (len(material.sequence) - 1) // 2
 
 
 def _description(run: "RunFolder") -> str:
@@ -158,10 +154,10 @@ def _sentence(scores: Scores, name: str) -> str:
     everything, complicated = strata["all"], strata["complex"]
     if everything.median is None or everything.p95 is None:
         return "measured nothing"
-    text = f"half of all soil is within {everything.median:.2f} px of the truth, "
+    text = f"half of all soil is within {everything.median:.3f} px of the truth, "
     text += f"95 % within {everything.p95:.2f} px"
     if complicated.median is not None and complicated.p95 is not None:
-        text += f"; in complex regions {complicated.median:.2f} px and {complicated.p95:.2f} px"
+        text += f"; in complex regions {complicated.median:.3f} px and {complicated.p95:.2f} px"
     averaging = scores.methods[name].averaging
     if averaging is not None and averaging.sentence:
         text += f"; {averaging.sentence}"

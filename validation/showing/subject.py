@@ -56,9 +56,11 @@ class Subject:
         RunFolderError
             There is none of this number.
         """
+        from validation.pair_view import middle_pair
+
         count = self.pair_count
         if pair is None:
-            return (count - 1) // 2
+            return middle_pair(count)
         if not -count <= pair < count:
             raise RunFolderError(f"--pair: {pair}: {self.name} has {count} pairs, 0 to {count - 1}")
         return pair % count
