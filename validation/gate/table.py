@@ -22,7 +22,7 @@ def gate_table(rows: "list[Row]") -> "Table":
     table = Table()
     for column, justify in (("stratum", "left"), ("error", "left"), ("baseline", "right"), ("now", "right")):
         table.add_column(column, justify=justify)  # type: ignore[arg-type]
-    for column in ("change", "at least"):
+    for column in ("change, mean of clips", "at least"):
         table.add_column(column, justify="right")
     table.add_column("most, on a clip", justify="left", no_wrap=True)
     table.add_column("worse", justify="left")
@@ -30,7 +30,7 @@ def gate_table(rows: "list[Row]") -> "Table":
         worst = f"{change_text(row, row.worst_change)} {row.worst_clip}" if row.worst_change else ""
         cells = [_value(row, row.before), _value(row, row.after)]
         changes = [change_text(row, row.change), change_text(row, row.low), worst]
-        where = "" if not row.worse else ("everywhere" if row.reason == EVERYWHERE else "there")
+        where = "" if not row.worse else ("over all clips" if row.reason == EVERYWHERE else "on that clip")
         table.add_row(row.stratum, _NAMES[row.quantity], *cells, *changes, where)
     return table
 
