@@ -117,13 +117,13 @@ def results_folder(path: Path, out: Path | None) -> Path:
     RunFolderError
         There is no such folder or video, or the results would lie inside a folder that is never written to.
     """
-    from soft.sequence.video import is_video
+    from soft.sequence.video import VIDEO_SUFFIXES, is_video
 
     if not path.is_dir() and not is_video(path):
         what = (
             "is a file, a folder of pictures or a video is needed"
             if path.exists()
-            else "no such folder or video"
+            else f"no such {'video' if path.suffix in VIDEO_SUFFIXES else 'folder'}"
         )
         raise RunFolderError(f"{path}: {what}")
     if out is None and is_run_folder(path):

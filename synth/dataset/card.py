@@ -60,7 +60,8 @@ y down; displacements are px, forward.
 
 Of up to {looked_at} pairs of each sequence. Moving: above 1 px in the inertial frame. Complex:
 within 3 px of the implement or of a true gradient of motion above 0.1 px/px. Mixed: the pixel holds motions
-more than 0.1 px apart. Moving, complex and mixed are shares of the soil.
+more than 0.1 px apart. Moving, complex and mixed are shares of the soil. Displacement is in the
+inertial frame, too: without the camera's motion, which `u` and `v` hold.
 
 | split | soil in view | moving | complex | mixed | displacement, median | 95 % | grey, mean | at its ends |
 | --- | ---: | ---: | ---: | ---: | ---: | ---: | ---: | ---: |

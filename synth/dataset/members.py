@@ -110,7 +110,7 @@ def members_of(sweep: Sweep, base: AnyScene) -> Membership:
     own_region = any(key.startswith("bed.fine") for key in sweep.vary)
     scenes, impossible = _resolved(sweep, base if own_region else _without_derived_region(base))
     if not scenes:
-        raise SweepError(f"{sweep.name}: {impossible[0].reason}")
+        raise SweepError(f"sweep {sweep.name!r}: {impossible[0].reason}")
     if not own_region:
         scenes = _with_shared_beds(scenes)
     if base.picture_seed is None and "picture_seed" not in sweep.vary:

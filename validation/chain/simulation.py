@@ -122,11 +122,14 @@ def _refuse_other(run: RunFolder, scene: "AnyScene") -> None:
         return
     held = run_scene(run)
     if held.simulation_hash != scene.simulation_hash:
-        quick = ", quick" if held.quick else ""
         raise RunFolderError(
-            f"{run.path}: holds another simulation (scene {held.name!r}, seed {held.seed}{quick}): "
+            f"{run.path}: holds another simulation ({_in_words(held)}) than asked for ({_in_words(scene)}): "
             "choose another folder, or replace it with --overwrite"
         )
+
+
+def _in_words(scene: "AnyScene") -> str:
+    return f"scene {scene.name!r}, seed {scene.seed}" + (", quick" if scene.quick else "")
 
 
 def adopt(run: RunFolder, scene: "AnyScene") -> None:
