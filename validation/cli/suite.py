@@ -29,13 +29,18 @@ def suite(
     Further methods join by --method. Stopped and called again, it does only what is missing. Exit status 1
     where something failed; the rest is done nevertheless.
     """
+    from validation.chain import require_methods
+    from validation.methods import choose
     from validation.suites.catalogue import find_suite
     from validation.suites.execution import carry_out
     from validation.suites.results import write_results
 
     terminal = Terminal(json=json)
     with terminal.working(), methods_of_this_folder():
-        chosen = find_suite(name, quick=quick).with_methods(method or [])
+        own = find_suite(name, quick=quick)
+        require_methods(choose(method or []))
+        # Those of the suite too: two methods must not be filed under one name.
+        chosen = own.with_methods([one.name for one in choose([*own.methods, *(method or [])])])
         failures = carry_out(chosen, out, processes=processes, terminal=terminal)
         asked = " ".join(
             [name, "OUT", *(["--quick"] if quick else []), *(f"--method {m}" for m in method or [])]
