@@ -60,12 +60,17 @@ def make_contact_sheet(
     -------
     Path
         The sheet.
+
+    Raises
+    ------
+    SceneError
+        A scene that there is not; nothing is done then.
     """
+    scenes = {name: quick_scene(name) for name in names}  # all of them before the first is simulated
     with RunFolder.create(out) as folder:
         rows: dict[str, list[Path]] = {}
-        for number, name in enumerate(names, start=1):
-            terminal.say(f"contact sheet: scene {number} of {len(names)}: {name}")
-            scene = quick_scene(name)
+        for number, (name, scene) in enumerate(scenes.items(), start=1):
+            terminal.say(f"contact sheet: scene {number} of {len(scenes)}: {name}")
             place = (given or {}).get(name, out / RUNS / name)
             with RunFolder.create(place) as run:
                 chain.simulate(run, scene, work=work, terminal=terminal, resume=resume)

@@ -28,3 +28,12 @@ def test_a_sheet_of_a_plate_and_an_analytic_scene(softbed, tmp_path):
     before = (tmp_path / "contact-sheet.jpg").stat().st_mtime_ns
     assert softbed("contact-sheet", tmp_path, *arguments)[0] == 0
     assert (tmp_path / "contact-sheet.jpg").stat().st_mtime_ns == before
+
+
+def test_a_scene_that_there_is_not_is_refused_before_any_is_simulated(softbed, tmp_path):
+    status, _, error = softbed(
+        "contact-sheet", tmp_path / "out", "--scene", "rolling_wheel", "--scene", "rolling_wheal"
+    )
+    assert status == 2
+    assert error.count("\n") == 1 and "'rolling_wheal' is neither a file nor a shipped scene" in error
+    assert not (tmp_path / "out").exists()
