@@ -101,9 +101,12 @@ def drawbar(
     from validation.drawbar.document import drawbar_document, drawbar_table, ratio_lines
     from validation.drawbar.experiment import carry_out
     from validation.drawbar.files import write_range, write_results
+    from validation.drawbar.glass import runs_by_wheel
     from validation.drawbar.scene_picture import draw_without_display
     from validation.drawbar.variation import range_table, varied_orders
 
+    if film and "inching" not in (gait or _GAITS):
+        raise typer.BadParameter("--film shows an inching cycle: --gait inching is needed")
     draw_without_display()
     terminal = Terminal(json=json)
     orders = orders_of(
@@ -117,10 +120,11 @@ def drawbar(
     )
     more = repeated(orders, repeats) + (varied_orders(vehicle, gait or _GAITS) if ranges else [])
     with terminal.working():
+        seen = runs_by_wheel(glass) if glass else None  # before curves, which take long
         every = carry_out(orders + more, out, processes=processes, overwrite=overwrite, terminal=terminal)
         curves = [curve for curve in every if curve.order in orders]
         again = [curve for curve in every if not curve.order.variation]
-        files = write_results(curves, out, film=film, glass=glass or (), terminal=terminal)
+        files = write_results(curves, out, film=film, glass=seen, terminal=terminal)
     terminal.show(drawbar_table(curves))
     if ranges:
         over_range = [curve for curve in every if curve.order.variation]

@@ -2,7 +2,7 @@
 
 import csv
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from validation.drawbar.curve import Curve
@@ -17,15 +17,15 @@ def write_results(
     out: Path,
     *,
     film: bool = False,
-    glass: Sequence[Path] = (),
+    glass: Mapping[str, Path] | None = None,
     terminal: Terminal,
 ) -> list[Path]:
     """Write figures, table and document; the film of an inching cycle where it is asked for.
 
     Parameters
     ----------
-    glass : sequence of Path
-        Run folders of a rolling and of a pushed wheel, to be looked at beside the forces.
+    glass : mapping, optional
+        Run folders of a rolling and of a pushed wheel by `runs_by_wheel`, to be looked at beside the forces.
 
     Returns
     -------
@@ -43,9 +43,9 @@ def write_results(
     write_table(curves, table)
     files += [document, table]
     if glass:
-        from validation.drawbar.glass import both, glass_figure, write_glass_table
+        from validation.drawbar.glass import glass_figure, look, write_glass_table
 
-        views = both(glass)
+        views = {wheel: look(run) for wheel, run in glass.items()}
         write_glass_table(views, out / "glass.csv")
         files += [save_figure(glass_figure(views, curves), out / "glass.png"), out / "glass.csv"]
     if film:

@@ -20,6 +20,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
+    from synth.scene import SoilBinScene
+
 ROLLING, PUSHED = "rolling", "pushed"
 _DRIVES = {"rolling": ROLLING, "pushing": PUSHED}
 _WAYS = {"measured": "#4c78a8", "true": "#f58518"}
@@ -72,26 +74,55 @@ class GlassView:
     seen: dict[str, Seen]
 
 
-def look(run: Path) -> GlassView:
-    """Analyze the pictures of a run folder by the default method.
+def runs_by_wheel(runs: Sequence[Path]) -> dict[str, Path]:
+    """Which run is of which wheel, the rolling one first; their pictures are opened, not yet analyzed.
 
     Raises
     ------
     GlassError
-        It is no run of a rolling or of a pushed wheel.
+        One is no run of a rolling or of a pushed wheel, both are of the same, or either is missing.
     """
+    found: dict[str, Path] = {}
+    for run in runs:
+        wheel = _wheel_of(run)
+        if wheel in found:
+            raise GlassError(f"--glass: {found[wheel]} and {run} are both runs of a {wheel} wheel")
+        found[wheel] = run
+    if set(found) != {ROLLING, PUSHED}:
+        raise GlassError(f"--glass: a run of a rolling and one of a pushed wheel are needed, not {len(runs)}")
+    return {wheel: found[wheel] for wheel in (ROLLING, PUSHED)}
+
+
+def _wheel_of(run: Path) -> str:
     import soft
     from synth import Footage
-    from synth.scene import SoilBinScene, load_scene
-    from validation.identification.runs import Forces
-    from validation.suites.paper.thrust import measure
 
     for needed in ("scene.toml", "footage", "forces.csv"):
         if not (run / needed).exists():
             raise GlassError(f"{run}: no {needed}: a run folder of softbed is needed")
+    scene = _scene_of(run)
+    soft.ImageSequence.open(run / "footage")
+    Footage.open(run / "footage").close()
+    return _DRIVES[scene.drive.kind]
+
+
+def _scene_of(run: Path) -> "SoilBinScene":
+    from synth.scene import SoilBinScene, load_scene
+
     scene = load_scene(run / "scene.toml")
     if not isinstance(scene, SoilBinScene) or scene.drive.kind not in _DRIVES:
         raise GlassError(f"{run}: allowed are runs of a rolling and of a pushed wheel")
+    return scene
+
+
+def look(run: Path) -> GlassView:
+    """Analyze the pictures of a run by the default method; `runs_by_wheel` has found that it is one."""
+    import soft
+    from synth import Footage
+    from validation.identification.runs import Forces
+    from validation.suites.paper.thrust import measure
+
+    scene = _scene_of(run)
     pictures = soft.ImageSequence.open(run / "footage")
     with Footage.open(run / "footage") as footage, soft.analyze(pictures, threads=1) as flow:
         measured = measure(footage, flow)
@@ -108,20 +139,6 @@ def _seen(measured, way: str) -> Seen:
     }
     directions = np.nanmean(measured[f"thrust_{way}_directions"].values, axis=0)
     return Seen(**numbers, directions=directions)
-
-
-def both(runs: Sequence[Path]) -> dict[str, GlassView]:
-    """Views of the rolling and of the pushed wheel, in this order.
-
-    Raises
-    ------
-    GlassError
-        Either is missing.
-    """
-    views = {view.wheel: view for view in map(look, runs)}
-    if set(views) != {ROLLING, PUSHED}:
-        raise GlassError(f"--glass: a run of a rolling and one of a pushed wheel are needed, not {len(runs)}")
-    return {wheel: views[wheel] for wheel in (ROLLING, PUSHED)}
 
 
 def glass_figure(views: dict[str, GlassView], curves: Sequence[Curve]) -> "Figure":

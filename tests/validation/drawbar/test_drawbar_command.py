@@ -123,3 +123,9 @@ def test_a_curve_is_measured_in_a_process_of_its_own(tmp_path, capsys):
 def test_an_order_with_steps_survives():
     order = CurveOrder("scarab", "inching", "pneumatic", "bwj", LoadSteps(loads=(0.1, 0.2)))
     assert CurveOrder.from_dict(json.loads(json.dumps(order.to_dict()))) == order
+
+
+def test_a_film_of_a_gait_that_is_not_measured_is_refused_before_curves_are(tmp_path, capfd):
+    assert run_command(["drawbar", str(tmp_path / "out"), "--gait", "rolling", "--film"]) == 2
+    assert "--gait inching is needed" in capfd.readouterr().err
+    assert not (tmp_path / "out").exists()

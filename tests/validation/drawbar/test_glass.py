@@ -1,22 +1,26 @@
 """Soil motion of both halves of push-rolling beside the rover's forces."""
 
 import csv
+import re
+import shutil
 
 import numpy as np
 import pytest
 
 from synth.rover.balance import PhaseMean, WheelMean
 from synth.rover.drawbar import DrawbarPoint
+from synth.scene import load_scene
+from validation.cli import run_command
 from validation.drawbar.curve import Curve, CurveOrder
 from validation.drawbar.glass import (
-    GlassError,
     GlassView,
     Seen,
-    both,
     glass_figure,
+    runs_by_wheel,
     thrust_over_load,
     write_glass_table,
 )
+from validation.gate.measurement import SHIPPED_CLIPS
 
 
 def seen(along):
@@ -65,6 +69,44 @@ def test_the_figure_shows_both_wheels_and_both_axles(tmp_path):
     )
 
 
-def test_a_folder_that_is_no_run_is_refused(tmp_path):
-    with pytest.raises(GlassError, match=r"no scene\.toml: a run folder of softbed is needed"):
-        both([tmp_path])
+@pytest.fixture
+def runs(tmp_path):
+    """Folders that have what is looked for in a run of each wheel, with footage of anything."""
+
+    def make(name, scene):
+        folder = tmp_path / "runs" / name
+        shutil.copytree(
+            next(path.parent for path in sorted(SHIPPED_CLIPS.glob("*/truth.nc"))), folder / "footage"
+        )
+        (folder / "scene.toml").write_text(load_scene(scene, quick=True).to_toml())
+        (folder / "forces.csv").write_text("time [s]\n")
+        return folder
+
+    wheels = {"rolling": "rolling_wheel", "slipping": "grouser_wheel", "pushed": "pushed_wheel"}
+    return {name: make(name, scene) for name, scene in wheels.items()}
+
+
+def test_runs_are_told_apart_by_how_their_wheels_are_driven(runs):
+    found = runs_by_wheel([runs["pushed"], runs["rolling"]])
+    assert list(found.items()) == [("rolling", runs["rolling"]), ("pushed", runs["pushed"])]
+
+
+@pytest.mark.parametrize(
+    ("given", "words"),
+    [
+        (["rolling"], "one of a pushed wheel are needed, not 1"),
+        (["rolling", "slipping", "pushed"], "are both runs of a rolling wheel"),
+        (["rolling", "nowhere"], r"nowhere: no scene\.toml: a run folder of softbed is needed"),
+    ],
+)
+def test_runs_are_refused_before_curves_are_measured(runs, tmp_path, capfd, given, words):
+    options = [word for name in given for word in ("--glass", str(runs.get(name, tmp_path / name)))]
+    assert run_command(["drawbar", str(tmp_path / "out"), *options]) == 2
+    assert re.search(words, capfd.readouterr().err)
+    assert not (tmp_path / "out").exists()
+
+
+def test_pictures_are_opened_before_curves_are_measured(runs):
+    (runs["pushed"] / "footage" / "truth.nc").write_bytes(b"nothing")
+    with pytest.raises(ValueError, match=r"truth\.nc"):
+        runs_by_wheel([runs["rolling"], runs["pushed"]])
