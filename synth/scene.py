@@ -326,7 +326,7 @@ def load_scene(name_or_path: str | Path, *, quick: bool = False, seed: int | Non
     ----------
     name_or_path : str or Path
         A shipped scene's name or a TOML file. A file with the key `base` has only what differs from the
-        shipped scene named there.
+        shipped scene named there, which may have a base, too.
     quick : bool
         Apply the file's `[quick]` table: a smaller and coarser version of the same scene.
     seed : int, optional
@@ -449,15 +449,14 @@ def _read_toml(path: Path) -> dict[str, Any]:
 
 
 def _with_base(tables: dict[str, Any], path: Path) -> dict[str, Any]:
-    """The tables of a file, laid over those of the shipped scene that it names as its `base`."""
+    """The tables of a file, laid over those of the shipped scene that it names as its `base`, and so on."""
     if "base" not in tables:
         return tables
     name = tables.pop("base")
     if name not in scene_names():
         raise SceneError(f"{path}: base = {name!r}: allowed are {', '.join(scene_names())}")
-    base = _read_toml(scenes_folder() / f"{name}.toml")
-    if "base" in base:
-        raise SceneError(f"{path}: base = {name!r}: has a base itself, name {base['base']!r}")
+    shipped = scenes_folder() / f"{name}.toml"
+    base = _with_base(_read_toml(shipped), shipped)
     for key, value in tables.items():
         if _of_another_kind(base.get(key), value):
             base.get("quick", {}).pop(key, None)

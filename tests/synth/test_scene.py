@@ -169,3 +169,34 @@ def test_a_table_of_another_kind_replaces_that_of_the_base(tmp_path):
     path.write_text('base = "mars"\n')
     with pytest.raises(SceneError, match=r"x\.toml: base = 'mars': allowed are .*rolling_wheel"):
         load_scene(path)
+
+
+@pytest.mark.parametrize("name", scene_names())
+@pytest.mark.parametrize("quick", [False, True])
+def test_every_shipped_scene_can_be_a_base(tmp_path, name, quick):
+    path = tmp_path / "own.toml"
+    path.write_text(f'base = "{name}"\n')
+    if quick and "quick" not in merged_keys(name):
+        with pytest.raises(SceneError, match=r"no \[quick\] table"):
+            load_scene(path, quick=True)
+    else:
+        assert load_scene(path, quick=quick) == load_scene(name, quick=quick)
+
+
+def merged_keys(name):
+    """Keys of a shipped scene's file and of those it is based on."""
+    tables = tomllib.loads((scenes_folder() / f"{name}.toml").read_text())
+    return set(tables) | (merged_keys(tables["base"]) if "base" in tables else set())
+
+
+def test_values_of_a_base_come_before_those_of_its_own_base(tmp_path):
+    path = tmp_path / "own.toml"
+    path.write_text(
+        'base = "pushed_wheel"\nname = "own"\n[drive]\nspeed = 0.005\n[quick.sensor]\nread_noise = 7.0\n'
+    )
+    full, quick = load_scene(path), load_scene(path, quick=True)
+    between, first = load_scene("pushed_wheel"), load_scene("rolling_wheel")
+    assert full.drive == between.drive.model_copy(update={"speed": 0.005}) != first.drive
+    assert full.contact == between.contact
+    assert quick.sensor.read_noise == 7.0 != full.sensor.read_noise
+    assert quick.drive == load_scene("pushed_wheel", quick=True).drive.model_copy(update={"speed": 0.005})
