@@ -1,6 +1,8 @@
 """Whatever a file holds, its reader says what is wrong with it: no other error leaves it."""
 
+import gzip
 import json
+import re
 import shutil
 import tomllib
 from contextlib import contextmanager
@@ -22,11 +24,15 @@ from synth.dataset.members import members_of
 from synth.dataset.sweep import SweepError, load_sweep
 from synth.footage import Footage
 from synth.recording import Recording
+from synth.rover.law.catalogue import read_soil
+from synth.rover.law.response import SoilError
 from synth.scene import SceneError, load_scene, load_soil
 from synth.scene_files import scenes_folder
 from validation.check import check_folder
+from validation.gate.measurement import GateError, Measurement
 from validation.manifest import Manifest, RunFolderError
 from validation.score import ScoreError, Scores
+from validation.suites.kept import LINES, SHIPPED, KeptError, read_kept
 
 NUMBERS = st.integers(-(2**70), 2**70) | st.floats() | st.sampled_from([0, 1, -1, 0.5, 1e-300, 1e300])
 WORDS = st.text(st.characters(exclude_categories=["Cs"]), max_size=8)
@@ -409,3 +415,56 @@ def test_flow_measured_elsewhere(tmp_path_factory, file):
         FlowFiles(folder).read(0, (2, 3))
     except FlowError as error:
         assert_told(error, folder)
+
+
+SCORE = {"coverage": 1.0, "median": 0.1, "p95": 0.3, "wrong_share": 0.05}
+ALONE = {
+    "baseline.json": {
+        "schema_version": 1,
+        "method": "dis",
+        "clips_digest": "a",
+        "clips": {"band": [{"all": SCORE, "complex": SCORE}]},
+        "versions": {"softbed": "1"},
+    },
+    "identification.json": {"soil": {"scale": 1.0, "surface_friction": 0.5, "stiffness": 2.0}},
+    "about.json": {"schema_version": 1, "measured": 3, "of": 4},
+}
+"""JSON files that stand alone: what is needed of them."""
+READ_ALONE = {
+    "baseline.json": (Measurement.read, GateError),
+    "identification.json": (read_soil, SoilError),
+    "about.json": (lambda path: read_kept(path.parent), KeptError),
+}
+PYTHON = re.compile(
+    r"NoneType|\bdict|\btuple\b|indices|argument|attribute|subscript|__init__|instance of|Error\b"
+)
+
+
+@given(st.data())
+def test_json_files_that_stand_alone(tmp_path_factory, data):
+    name = data.draw(st.sampled_from(list(ALONE)))
+    tables = st.one_of(changed(ALONE[name]), VALUES).map(lambda told: json.dumps(told).encode())
+    path = tmp_path_factory.getbasetemp() / name
+    path.write_bytes(data.draw(tables | damaged(json.dumps(ALONE[name]).encode())))
+    read, refusal = READ_ALONE[name]
+    try:
+        read(path)
+    except refusal as error:
+        assert_told(error, path.parent)
+        assert not PYTHON.search(str(error)), error
+
+
+TABLE = b"".join(gzip.decompress((SHIPPED / LINES).read_bytes()).splitlines(keepends=True)[:3])
+
+
+@given(st.one_of(damaged(TABLE).map(gzip.compress), damaged(gzip.compress(TABLE))))
+@settings(max_examples=30)
+def test_tables_that_were_kept(tmp_path_factory, content):
+    folder = tmp_path_factory.getbasetemp() / "kept"
+    if not folder.exists():
+        shutil.copytree(SHIPPED, folder)
+    (folder / LINES).write_bytes(content)
+    try:
+        read_kept(folder)
+    except KeptError as error:
+        assert_told(error, folder / LINES)

@@ -6,7 +6,9 @@ from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from synth.text_files import read_json
+from pydantic import ConfigDict, with_config
+
+from synth.text_files import checked, read_json_object
 from validation.manifest import file_digest, key_of
 from validation.score import score_pair
 from validation.strata import STRATA
@@ -27,6 +29,7 @@ class GateError(ValueError):
     """A baseline or clips that cannot be used; the message is one line."""
 
 
+@with_config(ConfigDict(extra="forbid", allow_inf_nan=False))
 @dataclass(frozen=True)
 class PairScore:
     """How wrong a method is in one stratum of one picture pair.
@@ -88,20 +91,10 @@ class Measurement:
             There is none, it is damaged, or of another schema version.
         """
         try:
-            told = read_json(path)
-            if told["schema_version"] != SCHEMA_VERSION:
-                version = told["schema_version"]
-                raise GateError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
-            clips = {
-                name: [{stratum: PairScore(**score) for stratum, score in pair.items()} for pair in pairs]
-                for name, pairs in told["clips"].items()
-            }
-            return cls(told["method"], told["clips_digest"], clips, told["versions"])
+            return checked(cls, read_json_object(path, schema_version=SCHEMA_VERSION))
         except FileNotFoundError:
             raise GateError(f"{path}: no baseline there: --update writes one") from None
-        except (AttributeError, KeyError, TypeError, ValueError) as error:
-            if isinstance(error, GateError):
-                raise
+        except ValueError as error:
             raise GateError(f"{path}: not a baseline: {error}") from None
 
 

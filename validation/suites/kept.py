@@ -7,13 +7,15 @@ each set of pictures and method the errors by what may explain them; `about.json
 import gzip
 import io
 import json
-from collections.abc import Mapping, Sequence
+import zlib
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, TypeVar
 
 import numpy as np
 
+from synth.text_files import checked, read_json_object
 from validation.error_profile import EXPLANATIONS, MOMENTS, percentile, share_above
 from validation.metrics import WRONG_ABOVE
 from validation.published import REFERENCE_FOLDER
@@ -23,6 +25,8 @@ from validation.suites.table import Line, read_lines, write_lines
 
 if TYPE_CHECKING:
     import xarray as xr
+
+T = TypeVar("T")
 
 SCHEMA_VERSION = 1
 SHIPPED = REFERENCE_FOLDER / "measured" / "complex"
@@ -43,6 +47,14 @@ _MEANINGS = {
 
 class KeptError(ValueError):
     """Tables that cannot be read; the message is one line."""
+
+
+@dataclass(frozen=True)
+class _About:
+    """What `about.json` must tell."""
+
+    measured: int
+    of: int
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,18 +97,35 @@ def read_kept(folder: Path) -> Kept:
     KeptError
         There are none, or of another schema version.
     """
+    about = _read(folder / ABOUT, _read_about)
+    return Kept(_read(folder / LINES, _read_lines), _read(folder / PROFILES, _read_profiles), about)
+
+
+def _read(path: Path, reader: Callable[[Path], T]) -> T:
+    try:
+        return reader(path)
+    except FileNotFoundError:
+        raise KeptError(f"{path.parent}: no tables of a suite: it holds no {path.name}") from None
+    except (OSError, EOFError, zlib.error, KeyError, ValueError) as error:
+        raise KeptError(f"{path}: not of the tables of a suite: {error}") from None
+
+
+def _read_about(path: Path) -> dict[str, Any]:
+    told = read_json_object(path, schema_version=SCHEMA_VERSION)
+    checked(_About, told)
+    return told
+
+
+def _read_lines(path: Path) -> list[Line]:
+    text = gzip.decompress(path.read_bytes()).decode("utf-8")
+    return read_lines(io.StringIO(text, newline=""))
+
+
+def _read_profiles(path: Path) -> "xr.Dataset":
     import xarray as xr
 
-    try:
-        about = json.loads((folder / ABOUT).read_text(encoding="utf-8"))
-        if about["schema_version"] != SCHEMA_VERSION:
-            version = about["schema_version"]
-            raise KeptError(f"{folder}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
-        text = gzip.decompress((folder / LINES).read_bytes()).decode("utf-8")
-        with xr.open_dataset(folder / PROFILES, engine="h5netcdf") as profiles:
-            return Kept(read_lines(io.StringIO(text, newline="")), profiles.load(), about)
-    except (OSError, KeyError, json.JSONDecodeError, EOFError) as error:
-        raise KeptError(f"{folder}: no tables of a suite: {error}") from None
+    with xr.open_dataset(path, engine="h5netcdf") as profiles:
+        return profiles.load()
 
 
 def profile_table(profiles: "Sequence[tuple[Look, xr.Dataset]]") -> "xr.Dataset":

@@ -41,6 +41,7 @@ UNITS = {
 }
 _TEXTS = ("scene", "label", "soil", "severity", "scene_hash", "method", "stratum")
 _WHOLE = ("seed", "picture_seed", "stride", "quick", "pair")
+_LONGEST_SHOWN = 60
 
 Line = dict[str, Any]
 
@@ -90,18 +91,38 @@ def write_lines(lines: Sequence[Line], file: TextIO) -> None:
 
 
 def read_lines(file: TextIO) -> list[Line]:
-    """Read lines that `write_lines` wrote."""
+    """Read lines that `write_lines` wrote.
+
+    Raises
+    ------
+    ValueError
+        With line and column, and what is wrong there.
+    """
     rows = csv.reader(file)
-    names = [name.partition(" [")[0] for name in next(rows)]
-    return [{name: _read(name, text) for name, text in zip(names, row, strict=True)} for row in rows]
+    try:
+        names = [name.partition(" [")[0] for name in next(rows, [])]
+        if missing := [name for name in COLUMNS if name not in names]:
+            raise ValueError(f"no column {missing[0]!r}")
+        return [_line(names, row, rows.line_num) for row in rows]
+    except csv.Error as error:
+        raise ValueError(f"line {rows.line_num}: {error}") from None
 
 
-def _read(name: str, text: str) -> Any:
+def _line(names: list[str], row: list[str], number: int) -> Line:
+    if len(row) != len(names):
+        raise ValueError(f"line {number}: {len(row)} values, needed are {len(names)}")
+    return {name: _read(name, text, number) for name, text in zip(names, row, strict=True)}
+
+
+def _read(name: str, text: str, number: int) -> Any:
     if name in _TEXTS:
         return text
-    if name in _WHOLE:
-        return int(text)
-    return float(text) if text else np.nan
+    try:
+        if name in _WHOLE:
+            return int(text)
+        return float(text) if text else np.nan
+    except ValueError:
+        raise ValueError(f"line {number}: {name} = {text[:_LONGEST_SHOWN]!r}: a number is needed") from None
 
 
 def _spelt(value: Any) -> str:

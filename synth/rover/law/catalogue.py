@@ -8,7 +8,7 @@ from synth.rover.law.pressure_sinkage import BekkerLaw, BekkerSoil, ColumnLaw
 from synth.rover.law.response import SoilError, published_scale
 from synth.rover.law.rft import ResistiveForceLaw, ResistiveSoil
 from synth.rover.law.rim_law import RimLaw
-from synth.text_files import read_json
+from synth.text_files import checked, read_json_object
 
 LAW_NAMES = ("rft", "bwj", "scm")
 """Resistive force theory; Bekker-Wong-Janosi; the latter on vertical columns."""
@@ -108,7 +108,11 @@ def read_soil(path: str | Path) -> ResistiveSoil:
         The file has no such table, or not the constants of a `ResistiveSoil`.
     """
     try:
-        table = read_json(Path(path))["soil"]
-        return ResistiveSoil(**table)
-    except (ValueError, KeyError, TypeError) as error:
-        raise SoilError(f"{path}: the table 'soil' of softbed identify is needed ({error})") from None
+        told = read_json_object(Path(path))
+        if "soil" not in told:
+            raise ValueError("soil: missing")
+        return checked(ResistiveSoil, told["soil"], name="soil")
+    except FileNotFoundError:
+        raise SoilError(f"{path}: no such file") from None
+    except ValueError as error:
+        raise SoilError(f"{path}: the table 'soil' of softbed identify is needed: {error}") from None

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from pydantic import ConfigDict, with_config
 
 from synth.rover.law.response import SoilError, generic_response
 from synth.rover.law.rim import carried
@@ -26,6 +27,7 @@ _LEAST_TRACTION = 1e-9
 """Pa."""
 
 
+@with_config(ConfigDict(extra="forbid", allow_inf_nan=False))
 @dataclass(frozen=True)
 class ResistiveSoil:
     """What the law has to know of a soil.

@@ -112,9 +112,28 @@ def test_baseline_file(tmp_path):
     assert Measurement.read(tmp_path / "deep" / "baseline.json") == before
 
 
-@pytest.mark.parametrize("content", ["", "[]", "{}", '{"schema_version": 2}', '{"schema_version": 1}', "3"])
-def test_what_is_no_baseline(tmp_path, content):
+SCORE = '{"coverage": 1, "median": %s, "p95": 0.2, "wrong_share": 0}'
+CLIPS = '{"schema_version": 1, "method": "a", "clips_digest": "b", "versions": {}, "clips": {"x": %s}}'
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("", "Expecting value"),
+        ("[]", "a JSON object is needed"),
+        ("3", "a JSON object is needed"),
+        ("{}", "schema_version: missing"),
+        ('{"schema_version": 2}', "schema_version = 2: this program reads 1"),
+        ('{"schema_version": 1}', "method: missing"),
+        (CLIPS % "3", r"clips\.x = 3: a list is needed"),
+        (CLIPS % "[[]]", r"clips\.x\.0: a JSON object is needed"),
+        (CLIPS % '[{"all": {}}]', r"clips\.x\.0\.all\.coverage: missing"),
+        (CLIPS % f'[{{"all": {SCORE % "NaN"}}}]', r"clips\.x\.0\.all\.median = NaN: .*finite number"),
+        (CLIPS % f'[{{"all": {SCORE % "[]"}}}]', r"clips\.x\.0\.all\.median: a number is needed"),
+    ],
+)
+def test_what_is_no_baseline(tmp_path, content, told):
     path = tmp_path / "baseline.json"
     path.write_text(content)
-    with pytest.raises(GateError, match=r"baseline\.json"):
+    with pytest.raises(GateError, match=rf"baseline\.json: not a baseline: {told}"):
         Measurement.read(path)

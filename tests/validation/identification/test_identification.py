@@ -101,9 +101,23 @@ def test_the_laws_own_runs_give_back_its_soil_and_are_foretold(several, tmp_path
     assert (tmp_path / "out" / "identification.png").read_bytes().startswith(b"\x89PNG")
 
 
-def test_a_soil_that_is_none_is_refused(tmp_path):
-    (tmp_path / "a.json").write_text('{"soil": {"scale": 1}}')
-    with pytest.raises(SoilError, match="the table 'soil' of softbed identify is needed"):
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("[]", "a JSON object is needed"),
+        ("{}", "soil: missing"),
+        ('{"soil": []}', "soil: a JSON object is needed"),
+        ('{"soil": {"scale": 1}}', r"soil\.surface_friction: missing"),
+        ('{"soil": {"scale": -1, "surface_friction": 1, "stiffness": 1}}', "soil: scale = -1.0: above 0"),
+        (
+            '{"soil": {"scale": 1, "surface_friction": 1, "stiffness": 1, "x": 1}}',
+            r"soil\.x = 1: unknown key",
+        ),
+    ],
+)
+def test_a_soil_that_is_none_is_refused(tmp_path, content, told):
+    (tmp_path / "a.json").write_text(content)
+    with pytest.raises(SoilError, match=rf"the table 'soil' of softbed identify is needed: {told}"):
         read_soil(tmp_path / "a.json")
 
 

@@ -1,11 +1,14 @@
 """Tables that are kept tell what was measured, docs tell what the tables do, and own methods join."""
 
+import gzip
 import re
+import shutil
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from validation.cli import run_command
 from validation.suites import complex_flow
 from validation.suites.execution import carry_out
 from validation.suites.findings import TABLES, FindingsError, leaderboard, with_findings
@@ -27,6 +30,9 @@ def suite():
     return Suite("small", "a jump", tuple(pictures), ("dis",)).with_methods(["own_method:rest"])
 
 
+ABOUT = {"command": "softbed suite small OUT", "measured": 4, "of": 4}
+
+
 @pytest.fixture(scope="module")
 def gathered(suite, tmp_path_factory):
     """A small suite that a method of the user's own has joined by its name."""
@@ -39,7 +45,7 @@ def gathered(suite, tmp_path_factory):
 
 
 def test_what_is_kept_is_what_was_measured(gathered, tmp_path):
-    write_kept(gathered, tmp_path, {"command": "softbed suite small OUT"})
+    write_kept(gathered, tmp_path, ABOUT)
     kept = read_kept(tmp_path)
     assert len(kept.lines) == len(gathered.lines) == 2 * 2 * 5
     for line, original in zip(kept.lines, gathered.lines, strict=True):
@@ -55,19 +61,58 @@ def test_what_is_kept_is_what_was_measured(gathered, tmp_path):
 
 def test_same_tables_same_bytes(gathered, tmp_path):
     for folder in ("a", "b"):
-        write_kept(gathered, tmp_path / folder, {})
+        write_kept(gathered, tmp_path / folder, ABOUT)
     assert (tmp_path / "a" / "lines.csv.gz").read_bytes() == (tmp_path / "b" / "lines.csv.gz").read_bytes()
 
 
 def test_a_method_of_ones_own_joins_the_leaderboard(gathered, tmp_path):
-    write_kept(gathered, tmp_path, {})
+    write_kept(gathered, tmp_path, ABOUT)
     rows = leaderboard(read_kept(tmp_path)).splitlines()[2:]
     assert {row.split("|")[2].strip() for row in rows} == {"`dis`", "`own_method:rest`"}
 
 
 def test_no_tables(tmp_path):
-    with pytest.raises(KeptError, match="no tables of a suite"):
+    with pytest.raises(KeptError, match=r"no tables of a suite: it holds no about\.json"):
         read_kept(tmp_path)
+
+
+@pytest.mark.parametrize(
+    ("content", "told"),
+    [
+        ("[]", "a JSON object is needed"),
+        ("{}", "schema_version: missing"),
+        ('{"schema_version": 2}', "schema_version = 2: this program reads 1"),
+        ('{"schema_version": 1, "of": 3}', "measured: missing"),
+        ('{"schema_version": 1, "measured": [], "of": 3}', "measured: a whole number is needed"),
+    ],
+)
+def test_what_is_no_about(tmp_path, capfd, content, told):
+    (tmp_path / "about.json").write_text(content)
+    assert run_command(["findings", str(tmp_path / "out"), "--tables", str(tmp_path)]) == 2
+    error = capfd.readouterr().err
+    assert error == f"softbed: {tmp_path / 'about.json'}: not of the tables of a suite: {told}\n"
+
+
+@pytest.mark.parametrize(
+    ("change", "told"),
+    [
+        (lambda text: "", "no column 'scene'"),
+        (lambda text: text.replace("stratum", "where", 1), "no column 'stratum'"),
+        (lambda text: text + "a,b\n", "2 values, needed are"),
+        (
+            lambda text: re.sub(r"\n([^,]*,[^,]*,[^,]*),\d+,", r"\n\1,one,", text, count=1),
+            "seed = 'one': a number",
+        ),
+    ],
+)
+def test_lines_that_are_none(tmp_path, change, told):
+    shutil.copytree(SHIPPED, tmp_path / "tables")
+    path = tmp_path / "tables" / "lines.csv.gz"
+    lines = gzip.decompress(path.read_bytes()).decode().splitlines(keepends=True)[:3]
+    path.write_bytes(gzip.compress(change("".join(lines)).encode()))
+    with pytest.raises(KeptError, match=told) as caught:
+        read_kept(tmp_path / "tables")
+    assert str(path) in str(caught.value)
 
 
 def line(scene, seed, value, picture=0):
