@@ -57,6 +57,8 @@ def read_trials(path: Path) -> list[Trial]:
     from scipy.io import loadmat
     from scipy.io.matlab import MatReadError
 
+    if not path.is_file():
+        raise RigError(f"{path}: no such file")
     try:
         results = loadmat(path, squeeze_me=True, struct_as_record=False)["all_results"]
         straight = [one for one in np.ravel(results) if one.beta == 0]

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat
 
+from validation.cli import run_command
 from validation.identification.wheel_rig import RigError, compare_with_rig, read_trials
 
 DATA = Path(os.environ.get("SOFTBED_DATA", "nowhere")) / "wheel_rig" / "smooth_wheel.mat"
@@ -71,3 +72,10 @@ def test_another_file_is_refused(tmp_path):
     savemat(tmp_path / "b.mat", {"other": 1})
     with pytest.raises(RigError, match="'all_results' is needed"):
         read_trials(tmp_path / "b.mat")
+
+
+def test_a_file_that_is_not_there_is_told(tmp_path, capfd):
+    missing = tmp_path / "none.mat"
+    assert run_command(["identify", str(tmp_path / "out"), "--rig", str(missing)]) == 2
+    assert capfd.readouterr().err == f"softbed: {missing}: no such file\n"
+    assert not (tmp_path / "out").exists()
