@@ -114,6 +114,7 @@ def test_the_command(softbed, tmp_path, white):
         (["a.png", "a.png", "--crop-b", "90,0,50,50"], "must lie within a.png of 100 x 100 px"),
         (["a.png", "a.png", "--crop-b", "0,0,10,50"], "10 x 50 px: at least 32"),
         (["a.png", "flat.png"], "no texture"),
+        (["a.png", "a.png", "--out", "f.jpg"], "f.jpg: suffix '.jpg': allowed are .png"),
     ],
 )
 def test_what_cannot_be_compared_is_one_line(softbed, tmp_path, monkeypatch, white, arguments, says):
@@ -124,7 +125,7 @@ def test_what_cannot_be_compared_is_one_line(softbed, tmp_path, monkeypatch, whi
     status, output, error = softbed("compare-pictures", *arguments)
     assert (status, output) == (2, "")
     assert says in error and error.count("\n") == 1
-    assert not Path("compare-pictures.png").exists()
+    assert not Path("compare-pictures.png").exists() and not Path("f.jpg").exists()
 
 
 def test_a_real_photograph(tmp_path):

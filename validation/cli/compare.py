@@ -30,9 +30,11 @@ def compare_pictures(
 ) -> None:
     """Set grey levels, grain size, spectrum, gradient and noise of pictures side by side."""
     from soft import Region
+    from soft.figures.page import require_suffix
     from validation import compare_pictures as compare
     from validation.figures import to_png
 
+    require_suffix(out, (".png",))
     terminal = Terminal(json=json)
     with terminal.working():
         given = (("--crop-a", crop_a), ("--crop-b", crop_b))
