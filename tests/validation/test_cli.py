@@ -12,11 +12,14 @@ from pathlib import Path
 import numpy as np
 import pytest
 import tomli_w
+import typer
 import xarray as xr
 from PIL import Image
 
 import soft
 import synth
+from validation.cli import app
+from validation.cli.bench import refuse_foreign_options
 from validation.nodes import truth_at
 from validation.run_folder import PARTIAL_PREFIX
 
@@ -167,6 +170,12 @@ def test_a_folder_of_something_else_is_never_touched(softbed, tiny_scene, tmp_pa
         (["suite", "smoke", "OUT", "--method", "magic"], ["magic", "dis"]),
         (["suite", "smoke", "OUT", "--method", "no.such:function"], ["no.such"]),
         (["suite", "smoke", "OUT", "--method", "DIS"], ["DIS"]),
+        (["bench", "flow", "--grains", "1000"], ["--grains", "bench flow", "only for dem"]),
+        (["bench", "dem", "--run", "OUT"], ["--run", "bench dem", "only for flow"]),
+        (["bench", "dem", "--openpiv", "python"], ["--openpiv", "only for flow"]),
+        (["bench", "render", "--photograph", "FILE"], ["--photograph", "only for flow"]),
+        (["bench", "dem", "--limits"], ["--limits", "only for flow"]),
+        (["bench", "sweep", "--threads", "2"], ["--threads", "only for dem, render, flow"]),
         (["run", "plate_rotation", "OUT", "--seed", "minus"], ["--seed"]),
         (["run", "plate_rotation", "OUT", "--seed", "-1"], ["--seed", "0"]),
         (["run", "plate_rotation", "OUT", "--device", "tpu"], ["--device", "tpu"]),
@@ -185,6 +194,13 @@ def test_bad_usage_is_one_line_and_makes_nothing(softbed, tmp_path, monkeypatch,
     assert output == ""
     assert_one_line(error, *words)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_bench_may_be_told_of_another_ones_peers_by_the_environment(monkeypatch):
+    monkeypatch.setenv("SOFTBED_OPENPIV", "python")
+    context = typer.main.get_command(app).commands["bench"].make_context("bench", ["dem"])
+    assert context.params["openpiv"] == "python"
+    refuse_foreign_options(context, "dem")
 
 
 def test_an_impossible_value_names_file_and_key(softbed, tiny_scene, tmp_path):

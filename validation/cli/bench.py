@@ -10,9 +10,21 @@ from validation.cli.app import app
 from validation.cli.options import Debug, Json, Threads
 from validation.terminal import Terminal
 
+_FOR = {
+    "grains": ("dem",),
+    "run": ("flow",),
+    "openpiv": ("flow",),
+    "pyvale": ("flow",),
+    "photograph": ("flow",),
+    "limits": ("flow",),
+    "threads": ("dem", "render", "flow"),
+}
+"""Which benches an option is for; the others of `bench` are for all."""
+
 
 @app.command()
 def bench(
+    context: typer.Context,
     name: Annotated[
         Literal["dem", "render", "flow", "sweep"],
         typer.Argument(
@@ -67,6 +79,7 @@ def bench(
     debug: Debug = False,
 ) -> None:
     """Measure speed, ours and that of peers found on the PATH, on the same work and in turn."""
+    refuse_foreign_options(context, name)
     from validation.bench.dem import GRAIN_COUNTS, bench_dem
     from validation.bench.flow import bench_flow
     from validation.bench.flow_case import analytic_cases, run_cases
@@ -97,3 +110,11 @@ def bench(
             )
     terminal.show(bench_table(f"bench {name}, {workers} threads", rows))
     terminal.give(bench_document(name, rows, threads=workers, device="cpu"))
+
+
+def refuse_foreign_options(context: typer.Context, name: str) -> None:
+    """Refuse what another bench takes; environment variables may be there for all."""
+    for option, benches in _FOR.items():
+        source = context.get_parameter_source(option)
+        if name not in benches and source is not None and source.name == "COMMANDLINE":
+            raise typer.BadParameter(f"--{option}: bench {name} takes none: only for {', '.join(benches)}")
