@@ -1,14 +1,16 @@
-"""Where a method's name leads: a built-in estimator, a user's function, a folder of files."""
+"""Where a method's name leads: a built-in estimator, a user's function, a folder of files.
+
+Nothing heavy is imported before a name is followed: the command line's help tells of all methods.
+"""
 
 from collections.abc import Callable
 from dataclasses import replace
 from importlib import import_module
 from importlib.metadata import PackageNotFoundError, version
+from typing import TYPE_CHECKING
 
-from soft.flow.estimator import Estimator
-from soft.flow.field import FlowError
-from soft.flow.files import PREFIX, from_files
-from soft.flow.user_function import from_function, from_import_path
+if TYPE_CHECKING:
+    from soft.flow.estimator import Estimator
 
 # Name and module of each built-in estimator; the module calls it ESTIMATOR.
 BUILT_IN = {
@@ -31,6 +33,14 @@ VARIANTS: dict[str, tuple[str, dict[str, object]]] = {
 NEEDS = {"ilk": "scikit-image", "tvl1": "scikit-image"}
 
 
+def method_names() -> list[str]:
+    """Names of `BUILT_IN`, each followed by its variants."""
+    variants = {
+        name: [variant for variant, (base, _) in VARIANTS.items() if base == name] for name in BUILT_IN
+    }
+    return [one for name in BUILT_IN for one in (name, *variants[name])]
+
+
 def installed() -> list[str]:
     """Built-in methods that can run here, sorted."""
     return sorted(name for name in BUILT_IN if name not in NEEDS or _is_installed(NEEDS[name]))
@@ -44,7 +54,7 @@ def _is_installed(distribution: str) -> bool:
     return True
 
 
-def find_estimator(method: str | Callable) -> Estimator:
+def find_estimator(method: str | Callable) -> "Estimator":
     """Find the estimator that `method` names.
 
     Parameters
@@ -58,6 +68,10 @@ def find_estimator(method: str | Callable) -> Estimator:
     FlowError
         If it names nothing.
     """
+    from soft.flow.field import FlowError
+    from soft.flow.files import PREFIX, from_files
+    from soft.flow.user_function import from_function, from_import_path
+
     if callable(method):
         return from_function(method)
     if method in BUILT_IN:

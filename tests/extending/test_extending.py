@@ -77,6 +77,11 @@ def test_each_file_is_small():
     assert max(lines.values()) < 70, lines
 
 
+def test_help_tells_of_the_estimator(softbed):
+    told = softbed("run", "--help"), softbed("gate", "--help")
+    assert all("phase-shift" in one for one in told)
+
+
 def test_the_experiment_runs_with_its_implement_its_soil_and_the_estimator(softbed, extended):
     out = extended / "out"
     softbed("run", "wedge_in_quartz", out, "--quick", "--threads", "1", "--method", "phase-shift")

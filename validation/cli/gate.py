@@ -7,7 +7,7 @@ import typer
 
 from validation.cli.app import CHECK_FAILED, app
 from validation.cli.folders import methods_of_this_folder
-from validation.cli.options import Debug, Device, Json, Threads
+from validation.cli.options import BUILT_IN_METHODS, Debug, Device, Json, Threads
 from validation.terminal import Terminal
 
 
@@ -18,7 +18,7 @@ def gate(
     ],
     method: Annotated[
         str,
-        typer.Option(metavar="METHOD", help="A built-in name, package.module:function, or NAME of a preset."),
+        typer.Option(metavar="METHOD", help=f"{BUILT_IN_METHODS} or package.module:function."),
     ] = "robust-affine",
     clips: Annotated[
         Path | None,

@@ -5,6 +5,10 @@ from typing import Annotated, Literal
 
 import typer
 
+from soft.flow.registry import method_names
+
+BUILT_IN_METHODS = ", ".join(method_names())
+
 SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="A shipped scene's name or a TOML file.")]
 OutFolder = Annotated[Path, typer.Argument(metavar="OUT", help="A run folder; made where there is none.")]
 RunPath = Annotated[Path, typer.Argument(metavar="OUT", help="A run folder.")]
@@ -26,8 +30,7 @@ Methods = Annotated[
     typer.Option(
         "--method",
         metavar="METHOD",
-        help="robust-affine, robust-affine-fast, black-anandan, soft-2014, dis, dis-full, farneback, tvl1, "
-        "ilk, package.module:function or files:FOLDER; may repeat.",
+        help=f"{BUILT_IN_METHODS}, package.module:function or files:FOLDER; may repeat.",
         show_default=False,
     ),
 ]
