@@ -10,13 +10,16 @@ from pathlib import Path
 from types import ModuleType
 
 import pytest
+import typer
 
+from soft.flow.registry import method_names
 from synth.dataset.members import members_of
 from synth.dataset.sweep import load_sweep
 from synth.scene import load_scene
 from tests.documents.blocks import PAGES, ROOT, Block, blocks_of, inline_commands
 from tests.documents.command_line import options_of, parse
-from validation.cli import run_command
+from validation.cli import app, run_command
+from validation.cli.app import BAD_INPUT, CHECK_FAILED, FAULT, INTERRUPTED
 
 # What a page takes for given, by the name of the fixture that makes it.
 GIVEN = {
@@ -149,3 +152,38 @@ def test_commands_in_running_text_exist(page):
     for _, *words in inline_commands(page):
         told = {word.partition("=")[0] for word in words if word.startswith("--")}
         assert told <= options_of([word for word in words if not word.startswith("--")]), words
+
+
+@pytest.mark.parametrize("page", ["docs/commands.md", "docs/flow.md"])
+def test_tables_of_methods_name_all_of_them(page):
+    rows = re.findall(r"^\| (`.+?`[^|]*) \|", (ROOT / page).read_text(encoding="utf-8"), re.MULTILINE)
+    start = next(k for k, row in enumerate(rows) if row.startswith("`robust-affine`"))
+    end = next(k for k, row in enumerate(rows) if k > start and "`package.module:function`" in row)
+    told = re.findall(r"`([\w.-]+)`", " ".join(rows[start:end]))
+    assert sorted(told) == sorted(method_names())
+
+
+def test_the_table_of_environment_variables_names_those_that_are_read():
+    sources = [path for room in ("soft", "synth", "validation") for path in (ROOT / room).rglob("*.py")]
+    read = {name for path in sources for name in re.findall(r"SOFTBED_[A-Z]+", path.read_text("utf-8"))}
+    told = re.findall(
+        r"^\| `(SOFTBED_[A-Z]+)` \|", (ROOT / "docs/commands.md").read_text("utf-8"), re.MULTILINE
+    )
+    assert told == sorted(read)
+
+
+def test_statuses_that_are_told_are_those_that_there_are():
+    (told,) = re.findall(r"^Exit status: (.+)$", (ROOT / "docs/commands.md").read_text("utf-8"), re.MULTILINE)
+    assert [int(number) for number in re.findall(r"\b\d+\b", told)] == [
+        0,
+        CHECK_FAILED,
+        BAD_INPUT,
+        FAULT,
+        INTERRUPTED,
+    ]
+
+
+def test_every_command_takes_what_commands_share():
+    commands = typer.main.get_command(app).commands
+    assert {"findings", "run", "new-scene"} <= set(commands)
+    assert {name for name in commands if not {"--json", "--debug"} <= options_of([name])} == set()

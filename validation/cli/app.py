@@ -28,7 +28,7 @@ app = typer.Typer(
 
 
 def main() -> None:
-    """Run the command line; the process ends with 0 done, 1 a check failed, 2 bad input or usage."""
+    """Run the command line: 0 done, 1 a check failed, 2 bad input, 70 a fault, 130 interrupted."""
     sys.exit(run_command(sys.argv[1:]))
 
 

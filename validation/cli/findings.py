@@ -6,7 +6,7 @@ from typing import Annotated
 import typer
 
 from validation.cli.app import app
-from validation.cli.options import Debug
+from validation.cli.options import Debug, Json
 from validation.terminal import Terminal
 
 
@@ -30,6 +30,7 @@ def findings(
             show_default=False,
         ),
     ] = None,
+    json: Json = False,
     debug: Debug = False,
 ) -> None:
     """Leaderboard and errors in complex flow, from the kept tables of the suite `complex`: DIR/*.png."""
@@ -37,11 +38,14 @@ def findings(
     from validation.suites.findings_figures import write_figures
     from validation.suites.kept import SHIPPED, read_kept
 
-    terminal = Terminal(json=False)
+    terminal = Terminal(json=json)
     with terminal.working():
         kept = read_kept(tables or SHIPPED)
         written = write_figures(kept, out)
         for path in update or []:
             update_document(path, kept)
     terminal.show(leaderboard(kept))
-    terminal.show(", ".join(str(path) for path in (*written, *(update or []))))
+    files = {"figures": written, "updated": update or []}
+    terminal.show(", ".join(str(path) for paths in files.values() for path in paths))
+    told = {"schema_version": 1, "measured": kept.about["measured"], "of": kept.about["of"]}
+    terminal.give(told | {name: [str(path) for path in paths] for name, paths in files.items()})

@@ -1,6 +1,7 @@
 """Tables that are kept tell what was measured, docs tell what the tables do, and own methods join."""
 
 import gzip
+import json
 import re
 import shutil
 from pathlib import Path
@@ -9,7 +10,7 @@ import numpy as np
 import pytest
 
 from validation.cli import run_command
-from validation.suites import complex_flow
+from validation.suites import complex_flow, findings_figures
 from validation.suites.execution import carry_out
 from validation.suites.findings import TABLES, FindingsError, leaderboard, with_findings
 from validation.suites.findings_figures import write_figures
@@ -113,6 +114,17 @@ def test_lines_that_are_none(tmp_path, change, told):
     with pytest.raises(KeptError, match=told) as caught:
         read_kept(tmp_path / "tables")
     assert str(path) in str(caught.value)
+
+
+def test_the_command_gives_one_document(tmp_path, capfd, monkeypatch):
+    drawn = tmp_path / "a.png"
+    monkeypatch.setattr(
+        findings_figures, "write_figures", lambda kept, out: [drawn]
+    )  # they have their own test
+    assert run_command(["findings", str(tmp_path), "--json"]) == 0
+    told = json.loads(capfd.readouterr().out)
+    assert told["figures"] == [str(drawn)] and told["updated"] == []
+    assert 0 < told["measured"] <= told["of"]
 
 
 def line(scene, seed, value, picture=0):
