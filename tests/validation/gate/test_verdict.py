@@ -113,7 +113,7 @@ def test_baseline_file(tmp_path):
 
 
 SCORE = '{"coverage": 1, "median": %s, "p95": 0.2, "wrong_share": 0}'
-CLIPS = '{"schema_version": 1, "method": "a", "clips_digest": "b", "versions": {}, "clips": {"x": %s}}'
+ONE_CLIP = '{"schema_version": 1, "method": "a", "clips_digest": "b", "versions": {}, "clips": {"x": %s}}'
 
 
 @pytest.mark.parametrize(
@@ -125,11 +125,11 @@ CLIPS = '{"schema_version": 1, "method": "a", "clips_digest": "b", "versions": {
         ("{}", "schema_version: missing"),
         ('{"schema_version": 2}', "schema_version = 2: this program reads 1"),
         ('{"schema_version": 1}', "method: missing"),
-        (CLIPS % "3", r"clips\.x = 3: a list is needed"),
-        (CLIPS % "[[]]", r"clips\.x\.0: a JSON object is needed"),
-        (CLIPS % '[{"all": {}}]', r"clips\.x\.0\.all\.coverage: missing"),
-        (CLIPS % f'[{{"all": {SCORE % "NaN"}}}]', r"clips\.x\.0\.all\.median = NaN: .*finite number"),
-        (CLIPS % f'[{{"all": {SCORE % "[]"}}}]', r"clips\.x\.0\.all\.median: a number is needed"),
+        (ONE_CLIP % "3", r"clips\.x = 3: a list is needed"),
+        (ONE_CLIP % "[[]]", r"clips\.x\.0: a JSON object is needed"),
+        (ONE_CLIP % '[{"all": {}}]', r"clips\.x\.0\.all\.coverage: missing"),
+        (ONE_CLIP % f'[{{"all": {SCORE % "NaN"}}}]', r"clips\.x\.0\.all\.median = NaN: .*finite number"),
+        (ONE_CLIP % f'[{{"all": {SCORE % "[]"}}}]', r"clips\.x\.0\.all\.median: a number is needed"),
     ],
 )
 def test_what_is_no_baseline(tmp_path, content, told):
