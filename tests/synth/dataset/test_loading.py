@@ -1,11 +1,16 @@
 """What was made is read back: as NumPy arrays, by xarray, by PyTorch."""
 
+import importlib.util
 import json
 import shutil
+import sys
+from pathlib import Path
+from types import ModuleType
 
 import numpy as np
 import pytest
 
+import synth.dataset
 from synth.dataset import DataSetError, load_data_set
 from synth.footage import Footage
 
@@ -109,9 +114,38 @@ def test_pytorch_trains_on_it(sand_set, workers):
     assert not sample["flow"].numpy()[:, ~known.valid].any()
 
 
-def test_without_pytorch_it_says_how_to_install_it(monkeypatch):
-    import sys
+@pytest.fixture
+def torch_pairs(monkeypatch):
+    """`synth.dataset.torch_pairs` beside a stand-in of torch whose tensors are NumPy's arrays."""
+    torch, utils, data = (ModuleType(name) for name in ("torch", "torch.utils", "torch.utils.data"))
+    torch.from_numpy, torch.utils, utils.data, data.Dataset = np.asarray, utils, data, object
+    for module in (torch, utils, data):
+        monkeypatch.setitem(sys.modules, module.__name__, module)
+    path = Path(synth.dataset.__file__).with_name("torch_pairs.py")
+    spec = importlib.util.spec_from_file_location("torch_pairs_beside_a_stand_in", path)
+    module = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module.TorchPairs
 
+
+def test_samples_for_pytorch_hold_what_the_pairs_do(torch_pairs, sand_set):
+    pairs, known = torch_pairs(sand_set, "train"), load_data_set(sand_set).pairs("train")
+    assert len(pairs) == len(known) == 4
+    for sample, pair in zip([pairs[k] for k in range(4)], known, strict=True):
+        assert set(sample) == {"first", "second", "flow", "valid", "soil", "mixed"}
+        for name in ("first", "second"):
+            assert sample[name].shape == (1, 64, 96) and sample[name].dtype == np.float32
+            np.testing.assert_allclose(255 * sample[name][0], getattr(pair, name), atol=1e-4)
+        assert sample["flow"].shape == (2, 64, 96) and sample["flow"].flags.c_contiguous
+        np.testing.assert_array_equal(sample["flow"][:, pair.valid], pair.flow[pair.valid].T)
+        assert not sample["flow"][:, ~pair.valid].any()
+        for name in ("valid", "soil", "mixed"):
+            np.testing.assert_array_equal(sample[name], getattr(pair, name))
+    turned = torch_pairs(sand_set, "train", lambda sample: {"first": sample["second"]})
+    np.testing.assert_array_equal(turned[1]["first"], pairs[1]["second"])
+
+
+def test_without_pytorch_it_says_how_to_install_it(monkeypatch):
     monkeypatch.setitem(sys.modules, "torch", None)
     monkeypatch.delitem(sys.modules, "synth.dataset.torch_pairs", raising=False)
     with pytest.raises(ImportError, match="pip install torch"):
