@@ -15,10 +15,9 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
 ROOT = Path(__file__).parents[2]
-PAGES = sorted(
-    path.relative_to(ROOT).as_posix() for path in (ROOT / "README.md", *(ROOT / "docs").rglob("*.md"))
-)
-_MARK = re.compile(r"<!-- (parsed only|exit status): (.+?) -->", re.DOTALL)
+_BESIDE = ("README.md", "CHANGELOG.md", "scenes/scarab/README.md")
+PAGES = sorted({*_BESIDE, *(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").rglob("*.md"))})
+_MARK = re.compile(r"<!-- (parsed only|exit status|needs): (.+?) -->", re.DOTALL)
 _FILE = re.compile(r"# (\w+\.(?:py|toml))\b")
 _SEPARATORS = ("&&", ";", "|")
 
@@ -39,6 +38,8 @@ class Block:
         Why it is not run; empty where it is.
     exit_status : int
         What its commands end with.
+    needs : str
+        The module without which it cannot be run, and that tests do not install; mostly empty.
     """
 
     kind: str
@@ -46,6 +47,7 @@ class Block:
     line: int
     parsed_only: str = ""
     exit_status: int = 0
+    needs: str = ""
 
     @property
     def file_name(self) -> str | None:
@@ -90,6 +92,7 @@ def _block(token: Token, last: Token | None) -> Block:
         token.map[0] + 1,
         parsed_only=" ".join(value.split()) if name == "parsed only" else "",
         exit_status=int(value) if name == "exit status" else 0,
+        needs=value if name == "needs" else "",
     )
 
 

@@ -1,6 +1,7 @@
 """Every code block and command of the README and the docs is run, or parsed where running takes too long."""
 
-import importlib.util
+import dataclasses
+import itertools
 import json
 import re
 import shutil
@@ -17,7 +18,7 @@ from synth.dataset.members import members_of
 from synth.dataset.sweep import load_sweep
 from synth.scene import load_scene
 from tests.documents.blocks import PAGES, ROOT, Block, blocks_of, inline_commands
-from tests.documents.command_line import options_of, parse
+from tests.documents.command_line import options_of, parse, parse_told
 from validation.cli import app, run_command
 from validation.cli.app import BAD_INPUT, CHECK_FAILED, FAULT, INTERRUPTED
 
@@ -104,8 +105,7 @@ def write_file(block: Block, place: Path) -> None:
 def run_python(block: Block, names: dict[str, object]) -> None:
     """Run a program; the page's former ones have left their names."""
     code = compile(block.text, f"line {block.line}", "exec")
-    missing = "import torch" in block.text and importlib.util.find_spec("torch") is None
-    if not (block.parsed_only or missing):
+    if not (block.parsed_only or block.needs):
         exec(code, names)
 
 
@@ -147,11 +147,32 @@ def assert_told(page: str, path: Path) -> None:
         assert numbers == told.replace("%", " %"), (method, stratum)
 
 
+NEEDING = [pytest.param(page, block, id=page) for page in PAGES for block in blocks_of(page) if block.needs]
+
+
+@pytest.mark.parametrize(("page", "block"), NEEDING)
+def test_blocks_that_need_what_tests_do_not_install(page, block, place):
+    pytest.importorskip(block.needs)
+    place(page)
+    run_python(dataclasses.replace(block, needs=""), {"__name__": "page"})
+
+
+# What running text has for a number, a form, or more of the same.
+STANDS_FOR = {"N": "1", "F": "flo", "FORMAT": "flo", "...": ""}
+
+
 @pytest.mark.parametrize("page", PAGES)
 def test_commands_in_running_text_exist(page):
     for _, *words in inline_commands(page):
-        told = {word.partition("=")[0] for word in words if word.startswith("--")}
-        assert told <= options_of([word for word in words if not word.startswith("--")]), words
+        alternatives = [STANDS_FOR.get(word, word).split("|") for word in words]
+        for one in itertools.product(*alternatives):
+            parse_told([word for word in one if word])
+
+
+@pytest.mark.parametrize("told", ["export OUT --format nonsense", "nonsense OUT", "run --nonsense"])
+def test_what_is_wrong_in_running_text_is_found(told):
+    with pytest.raises(Exception, match="nonsense"):
+        parse_told(told.split())
 
 
 @pytest.mark.parametrize("page", ["docs/commands.md", "docs/flow.md"])

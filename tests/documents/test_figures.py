@@ -36,9 +36,8 @@ def entries(maker):
 
 def shown() -> set[Path]:
     """Every picture that a page shows, from the root."""
-    pages = (*PAGES, "scenes/scarab/README.md")
     found = (
-        (ROOT / page, one) for page in pages for one in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", read(page))
+        (ROOT / page, one) for page in PAGES for one in re.findall(r"!\[[^\]]*\]\(([^)]+)\)", read(page))
     )
     return {(page.parent / one).resolve().relative_to(ROOT.resolve()) for page, one in found}
 
