@@ -1,5 +1,6 @@
 # make demo          the main job on the default scene: a scored report in out/demo
 # make test          the fast tests
+# make test-slow     the others: minutes
 # make gate          whether robust-affine got worse than its baseline, on ten small clips
 # make lint          style and types
 # make docs          the pages of docs/ as a site, in build/docs; a warning is an error
@@ -13,7 +14,7 @@
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: demo test gate lint docs figures coverage wheel-check clean install develop
+.PHONY: demo test test-slow gate lint docs figures coverage wheel-check clean install develop
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -35,6 +36,9 @@ demo: $(INSTALLED)
 
 test: $(DEVELOPED)
 	$(BIN)/python -m pytest $(PYTEST_OPTIONS) -m "not slow"
+
+test-slow: $(DEVELOPED)
+	$(BIN)/python -m pytest $(PYTEST_OPTIONS) -m slow
 
 gate: $(DEVELOPED)
 	$(BIN)/softbed gate --method robust-affine --baseline tests/validation/gate/robust-affine.json
