@@ -1,6 +1,7 @@
 """Remake pictures and tables of the README and the docs: python docs/make/figures.py [seconds|minutes|hours].
 
-docs/make/figures.toml says what makes each. What is left out is listed, so that nothing goes stale unseen.
+docs/make/figures.toml says what makes each. What is left out is listed, and which tables were typed, so
+that nothing goes stale unseen.
 """
 
 import os
@@ -9,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -33,10 +35,28 @@ class Entry:
     needs: str = ""
 
 
+@dataclass(frozen=True)
+class Typed:
+    """Tables under some headings of a page, typed from what commands measured."""
+
+    page: str
+    headings: tuple[str, ...]
+    commands: tuple[str, ...] = ()
+    how: str = ""
+
+
 def read_entries() -> list[Entry]:
     """What `figures.toml` lists, in its order."""
-    listed = tomllib.loads((ROOT / "docs/make/figures.toml").read_text(encoding="utf-8"))["figures"]
-    return [_entry(**one) for one in listed]
+    return [_entry(**one) for one in _listed()["figures"]]
+
+
+def read_typed() -> list[Typed]:
+    """Which tables `figures.toml` lists as typed."""
+    return [_typed(**one) for one in _listed()["typed"]]
+
+
+def _listed() -> dict[str, list[dict]]:
+    return tomllib.loads((ROOT / "docs/make/figures.toml").read_text(encoding="utf-8"))
 
 
 def _entry(*, files: list[str], commands: list[str], lasts: str, **others: object) -> Entry:
@@ -46,6 +66,10 @@ def _entry(*, files: list[str], commands: list[str], lasts: str, **others: objec
     if lasts not in LASTS or (made and len(made) != len(files)):
         raise SystemExit(f"figures.toml: {files[0]}: lasts {lasts!r}, {len(made)} made of {len(files)} files")
     return Entry(tuple(map(Path, files)), told, lasts, made, tables, **others)  # type: ignore[arg-type]
+
+
+def _typed(*, headings: list[str], commands: Sequence[str] = (), **others: str) -> Typed:
+    return Typed(headings=tuple(headings), commands=tuple(commands), **others)
 
 
 def remake(entry: Entry) -> None:
@@ -80,6 +104,14 @@ def made_on(file: Path) -> str:
         return "an unknown day"
 
 
+def tell_typed(typed: list[Typed]) -> None:
+    """List what no run of this program remakes."""
+    print("\nnot remade, as it was typed from what was measured:")
+    for one in typed:
+        print(f"  {one.page}, {'; '.join(one.headings)}")
+        print("\n".join(f"    {line}" for line in (*one.commands, one.how) if line))
+
+
 def main(most: str = "seconds") -> None:
     """Remake what lasts as long as `most` at most, and list the rest."""
     if most not in LASTS:
@@ -93,6 +125,7 @@ def main(most: str = "seconds") -> None:
         print(f"\nnot remade, as it takes {entry.lasts}{f', and {entry.needs}' if entry.needs else ''}:")
         print("\n".join(f"  {file}, as of {made_on(file)}" for file in entry.files))
         print("\n".join(f"    {command}" for command in entry.commands))
+    tell_typed(read_typed())
 
 
 if __name__ == "__main__":

@@ -15,8 +15,8 @@ from markdown_it import MarkdownIt
 from markdown_it.token import Token
 
 ROOT = Path(__file__).parents[2]
-_BESIDE = ("README.md", "CHANGELOG.md", "scenes/scarab/README.md")
-PAGES = sorted({*_BESIDE, *(path.relative_to(ROOT).as_posix() for path in (ROOT / "docs").rglob("*.md"))})
+_PLACES = (*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "scenes").rglob("*.md"))
+PAGES = sorted(path.relative_to(ROOT).as_posix() for path in _PLACES)
 _MARK = re.compile(r"<!-- (parsed only|exit status|needs): (.+?) -->", re.DOTALL)
 _FILE = re.compile(r"# (\w+\.(?:py|toml))\b")
 _SEPARATORS = ("&&", ";", "|")
@@ -75,6 +75,39 @@ def inline_commands(page: str) -> Iterator[list[str]]:
         for child in token.children or ():
             if child.type == "code_inline" and re.match(r"softbed [a-z]", child.content):
                 yield shlex.split(child.content)
+
+
+@dataclass(frozen=True)
+class Table:
+    """A table of a page: the heading that it stands under, its cells, and whether a command writes it."""
+
+    heading: str
+    cells: tuple[str, ...]
+    written: bool
+
+    @property
+    def is_measured(self) -> bool:
+        """Whether a fifth of what stands in it has decimals or shares."""
+        filled = [cell for cell in self.cells if cell]
+        return 5 * sum(bool(re.search(r"\d\.\d|\d %|\d / \d", cell)) for cell in filled) > len(filled)
+
+
+def tables_of(page: str) -> Iterator[Table]:
+    """Every table of a page."""
+    heading, written, tokens = "", False, _tokens(page)
+    for k, token in enumerate(tokens):
+        if token.type == "heading_open":
+            heading = tokens[k + 1].content
+        elif token.type == "html_block":
+            written = "<!-- findings:" in token.content or (written and "<!-- end" not in token.content)
+        elif token.type == "table_open":
+            yield Table(heading, _cells(tokens[k:]), written)
+
+
+def _cells(tokens: list[Token]) -> tuple[str, ...]:
+    """What the body of the table holds that tokens begin with."""
+    end = next(k for k, token in enumerate(tokens) if token.type == "table_close")
+    return tuple(tokens[k + 1].content for k in range(end) if tokens[k].type == "td_open")
 
 
 def _tokens(page: str) -> list[Token]:

@@ -13,7 +13,7 @@ from PIL import Image
 import soft
 import synth
 import synth.dataset
-from tests.documents.blocks import PAGES, ROOT
+from tests.documents.blocks import PAGES, ROOT, tables_of
 from tests.documents.command_line import parse
 
 PICTURES = (".png", ".jpg")
@@ -71,6 +71,40 @@ def test_commands_are_such(entries):
 def test_tables_that_a_command_writes_are_all_listed(entries):
     written = {page for page in PAGES if "<!-- findings:" in read(page)}
     assert {table for entry in entries for table in entry.tables} == written
+
+
+# Under these headings numbers are defined, assumed or published, not measured.
+NOT_MEASURED = {
+    ("docs/measures.md", "What is measured from soil flow"),
+    ("docs/paper.md", "The rule"),
+    ("docs/pictures.md", "Analytic scenes"),
+    ("scenes/scarab/README.md", "What is known"),
+}
+
+
+def test_tables_of_measurements_are_written_by_a_command_or_listed_as_typed(maker):
+    typed = {(one.page, heading) for one in maker.read_typed() for heading in one.headings}
+    tables = [(page, one) for page in PAGES for one in tables_of(page) if not one.written]
+    measured = {(page, one.heading) for page, one in tables if one.is_measured}
+    assert len(measured) > 30
+    assert measured - NOT_MEASURED <= typed
+    assert typed | NOT_MEASURED <= {(page, one.heading) for page, one in tables}
+
+
+def test_pages_name_the_commands_that_their_tables_were_typed_from(maker):
+    for one in maker.read_typed():
+        assert one.commands or one.how, one
+        for command in one.commands:
+            _, *words = shlex.split(command)
+            parse(words)
+            named = re.match(r"softbed (?:(?:bench|study|suite|verify|calibrate) [\w-]+|[\w-]+)", command)[0]
+            assert named in read(one.page), (one.page, named)
+
+
+def test_what_was_typed_is_told(maker, capsys):
+    maker.tell_typed([maker.Typed("docs/a.md", ("B", "C"), ("softbed bench dem",), "in turn")])
+    told = capsys.readouterr().out
+    assert "not remade" in told and told.endswith("  docs/a.md, B; C\n    softbed bench dem\n    in turn\n")
 
 
 @pytest.mark.parametrize("name", ["conventions", "texture"])
