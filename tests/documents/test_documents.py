@@ -35,7 +35,7 @@ SCORING = "docs/tutorials/score_my_method.md"
 SMALL = ("rolling_wheel", "pushed_wheel")  # scenes that a fixture has small ones of
 # Commands that take minutes to hours, whatever they are asked for.
 LONG = {"bench", "calibrate", "contact-sheet", "drawbar", "identify", "study", "suite", "verify"}
-TARGETS = set(re.findall(r"^([a-z]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
+TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
 # What may be told of besides softbed; never run here.
 OTHERS = {"make", "python", "python3", "pip", ".venv/bin/pip", "dask", "source"}
 
@@ -147,6 +147,22 @@ def assert_told(page: str, path: Path) -> None:
         assert numbers == told.replace("%", " %"), (method, stratum)
 
 
+@pytest.mark.parametrize("page", PAGES)
+def test_what_is_said_to_be_run_on_another_page_is_run_there(page):
+    for block in blocks_of(page):
+        if named := re.match(r"run in (\S+\.md)", block.parsed_only):
+            there = blocks_of((Path(page).parent / named[1]).as_posix())
+            run = [forms_of(one) for one in there if one.kind == "sh" and not one.parsed_only]
+            assert forms_of(block) <= set().union(*run), (page, block.line)
+
+
+def forms_of(block: Block) -> set[tuple[str, frozenset[str]]]:
+    """Its commands without what they are given: names, and options."""
+    return {
+        (words[0], frozenset(word for word in words if word.startswith("--"))) for _, *words in block.commands
+    }
+
+
 NEEDING = [pytest.param(page, block, id=page) for page in PAGES for block in blocks_of(page) if block.needs]
 
 
@@ -167,6 +183,12 @@ def test_commands_in_running_text_exist(page):
         alternatives = [STANDS_FOR.get(word, word).split("|") for word in words]
         for one in itertools.product(*alternatives):
             parse_told([word for word in one if word])
+
+
+@pytest.mark.parametrize("page", PAGES)
+def test_targets_of_make_in_running_text_exist(page):
+    told = re.findall(r"`make ([a-z -]+)", (ROOT / page).read_text(encoding="utf-8"))
+    assert {target for one in told for target in one.split()} <= TARGETS
 
 
 @pytest.mark.parametrize("told", ["export OUT --format nonsense", "nonsense OUT", "run --nonsense"])
