@@ -3,6 +3,7 @@
 import shutil
 import tomllib
 
+import cv2
 import numpy as np
 import pytest
 import tomli_w
@@ -22,6 +23,9 @@ DRIVES = {
     "rolling_wheel": {"kind": "rolling", "rim_speed": 0.01, "slip": 0.2, "start": 0.05, "run_in": 0.01},
     "pushed_wheel": {"kind": "pushing", "speed": 0.008, "start": 0.08, "loading": 0.5, "rest": 0.1},
 }
+# The rolling wheel of the page that changes it; its own is full-size.
+DRIVES["slipping"] = {**DRIVES["rolling_wheel"], "slip": 0.4}
+FILM_SHAPE = (480, 880)
 SAND = """
 base = "sand_rotation"
 name = "sand"
@@ -66,6 +70,30 @@ def own_pictures(tmp_path_factory):
         picture[20:70, 40:120] = grains[1, 20:70, 40 + 3 * k : 120 + 3 * k]
         picture[:20] = 12
         Image.fromarray(picture).save(folder / f"IMG_{k}.png")
+    return folder
+
+
+@pytest.fixture(scope="session")
+def own_film(tmp_path_factory):
+    """A film of soil below a dark background, of which a block moves; a mask, and a lens file."""
+    from soft.calibration import Lens
+
+    folder, (height, width) = tmp_path_factory.mktemp("film"), FILM_SHAPE
+    noise = np.random.default_rng(5).uniform(-1, 1, (2, height, width))
+    smooth = np.stack([cv2.GaussianBlur(one, (0, 0), 1.5) for one in noise])
+    grains = np.clip(150 + 90 * smooth / smooth.std(), 60, 255).astype(np.uint8)
+    film = cv2.VideoWriter(str(folder / "FILM.mp4"), cv2.VideoWriter_fourcc(*"mp4v"), 25.0, (width, height))
+    assert film.isOpened()
+    for k in range(6):
+        picture = grains[0].copy()
+        picture[220:340, 300:600] = grains[1, 220:340, 300 + k : 600 + k]
+        picture[:160] = 12
+        film.write(cv2.cvtColor(picture, cv2.COLOR_GRAY2BGR))
+    film.release()
+    mask = np.full(FILM_SHAPE, 255, np.uint8)
+    Image.fromarray(cv2.circle(mask, (450, 180), 50, 0, -1)).save(folder / "wheel.png")
+    matrix = np.array([[900.0, 0, width / 2], [0, 900.0, height / 2], [0, 0, 1]])
+    Lens(FILM_SHAPE, matrix, np.array([-0.01, 0.0, 0.0, 0.0, 0.0])).write(folder / "lens.toml")
     return folder
 
 

@@ -24,6 +24,7 @@ from validation.cli.app import BAD_INPUT, CHECK_FAILED, FAULT, INTERRUPTED
 
 # What a page takes for given, by the name of the fixture that makes it.
 GIVEN = {
+    "README.md": ["own_pictures", "own_film"],
     "docs/analysis.md": ["own_pictures"],
     "docs/datasets.md": ["wheels"],
     "docs/figures.md": ["sand_run"],
