@@ -142,7 +142,9 @@ def cross_validate(
     )
 
 
-def _check(first, second, displacement, valid, mask) -> None:
+def _check(
+    first: np.ndarray, second: np.ndarray, displacement: np.ndarray, valid: np.ndarray, mask: np.ndarray
+) -> None:
     for name, array, shape in (
         ("second", second, first.shape),
         ("displacement", displacement, (*first.shape, 2)),

@@ -4,6 +4,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import replace
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from soft.flow.consistency import Check, landed, landing, read_back
 from soft.flow.estimator import Estimator
@@ -155,7 +156,9 @@ def _check(estimator: Estimator, wish: bool | float | None, settings: object) ->
     return check
 
 
-def _way_back(estimator: Estimator, first, second, field: FlowField, settings) -> np.ndarray:
+def _way_back(
+    estimator: Estimator, first: np.ndarray, second: np.ndarray, field: FlowField, settings: object
+) -> np.ndarray:
     """Backward displacement where pixels land, px; of every second or so each way, where it was told so."""
     backward = _backward(estimator, first, second, field, settings)
     step = -(-first.shape[0] // backward.shape[0])
@@ -171,7 +174,9 @@ def _passed(check: Check, forward: np.ndarray, back: np.ndarray) -> np.ndarray:
     return passed.repeat(step, axis=0).repeat(step, axis=1)[:height, :width]
 
 
-def _backward(estimator: Estimator, first, second, field: FlowField, settings) -> np.ndarray:
+def _backward(
+    estimator: Estimator, first: np.ndarray, second: np.ndarray, field: FlowField, settings: object
+) -> np.ndarray:
     """Displacement from the second picture to the first, px, on the second's grid or a coarser one."""
     if estimator.backward is not None:
         return estimator.backward(first, second, field, settings)
@@ -180,7 +185,14 @@ def _backward(estimator: Estimator, first, second, field: FlowField, settings) -
 
 
 def _with_uncertainty(
-    estimator: Estimator, first, second, field: FlowField, back: np.ndarray | None, settings, *, wanted: bool
+    estimator: Estimator,
+    first: np.ndarray,
+    second: np.ndarray,
+    field: FlowField,
+    back: np.ndarray | None,
+    settings: object,
+    *,
+    wanted: bool,
 ) -> FlowField:
     if not wanted:
         return replace(field, uncertainty=None)
@@ -191,14 +203,18 @@ def _with_uncertainty(
     return replace(field, uncertainty=sigma)
 
 
-def _solve(estimator: Estimator, first, second, usable, settings) -> FlowField:
+def _solve(
+    estimator: Estimator, first: np.ndarray, second: np.ndarray, usable: np.ndarray, settings: object
+) -> FlowField:
     if not usable.any():
         return FlowField(np.full((*first.shape, 2), np.nan, np.float32), usable)
     return estimator.solve(first, second, usable, settings)
 
 
-def _checked_pictures(first, second, estimator: Estimator) -> tuple[np.ndarray, np.ndarray]:
-    first, second = (_checked_picture(p, n) for p, n in ((first, "first"), (second, "second")))
+def _checked_pictures(
+    first: ArrayLike, second: ArrayLike, estimator: Estimator
+) -> tuple[np.ndarray, np.ndarray]:
+    first, second = _checked_picture(first, "first"), _checked_picture(second, "second")
     if first.shape != second.shape:
         raise FlowError(f"second picture: shape {second.shape}: the first has {first.shape}")
     if min(first.shape) < estimator.least_side:
@@ -209,7 +225,7 @@ def _checked_pictures(first, second, estimator: Estimator) -> tuple[np.ndarray, 
     return first, second
 
 
-def _checked_picture(picture, name: str) -> np.ndarray:
+def _checked_picture(picture: ArrayLike, name: str) -> np.ndarray:
     picture = np.asarray(picture)
     if picture.ndim != 2 or picture.size == 0:
         raise FlowError(f"{name} picture: shape {picture.shape}: must be grey, (H, W)")
@@ -225,7 +241,7 @@ def _checked_picture(picture, name: str) -> np.ndarray:
     return picture
 
 
-def _checked_mask(mask, shape: tuple[int, ...]) -> np.ndarray:
+def _checked_mask(mask: ArrayLike | None, shape: tuple[int, ...]) -> np.ndarray:
     if mask is None:
         return np.ones(shape, bool)
     mask = np.asarray(mask)

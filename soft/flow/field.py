@@ -88,7 +88,9 @@ def _checked_nodes(nodes: np.ndarray, shape: tuple[int, ...]) -> np.ndarray:
     return nodes
 
 
-def _companion(name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...], copy: bool):
+def _companion(
+    name: str, values: np.ndarray | None, valid: np.ndarray, tail: tuple[int, ...], copy: bool
+) -> np.ndarray | None:
     """`values` as float32 with NaN where the field is not valid."""
     if values is None:
         return None

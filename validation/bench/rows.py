@@ -2,9 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from validation.versions import machine
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 SCHEMA_VERSION = 1
 
@@ -54,7 +57,7 @@ def bench_document(bench: str, rows: Sequence[BenchRow], *, threads: int, device
     }
 
 
-def bench_table(title: str, rows: Sequence[BenchRow]):
+def bench_table(title: str, rows: Sequence[BenchRow]) -> "Table":
     """The same as a table for a terminal."""
     from rich.table import Table
 

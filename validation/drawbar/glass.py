@@ -14,11 +14,13 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.rover.drawbar import DrawbarPoint
 from validation.drawbar.curve import Curve
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
+    from xarray import Dataset
 
     from synth.scene import SoilBinScene
 
@@ -132,7 +134,7 @@ def look(run: Path) -> GlassView:
     return GlassView(_DRIVES[scene.drive.kind], thrust, {way: _seen(measured, way) for way in _WAYS})
 
 
-def _seen(measured, way: str) -> Seen:
+def _seen(measured: "Dataset", way: str) -> Seen:
     numbers = {
         name: float(np.nanmean(measured[f"thrust_{way}_{name}"].values))
         for name in ("along", "across", "resultant", "depth")
@@ -224,7 +226,7 @@ def _draw_thrust(axes: "Axes", views: dict[str, GlassView], curves: Sequence[Cur
     axes.legend(frameon=False, fontsize=7, loc="upper left")
 
 
-def thrust_over_load(point, stands: bool) -> float:
+def thrust_over_load(point: DrawbarPoint, stands: bool) -> float:
     """Of the axles that stand, or of those that roll, over both phases of an inching cycle."""
     along = upward = 0.0
     for phase in point.phases:

@@ -5,7 +5,7 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from synth.scene import AnyScene, SoilBinScene
 from validation import chain
@@ -15,6 +15,9 @@ from validation.studies.picture_errors import PictureStudy
 from validation.studies.study import Findings, Row, Run, Study
 from validation.terminal import Terminal
 from validation.versions import package_version
+
+if TYPE_CHECKING:
+    from rich.table import Table
 
 SCHEMA_VERSION = 1
 RUNS = "runs"
@@ -143,7 +146,7 @@ def _told(study: Study, findings: Findings) -> dict[str, Any]:
     return {"columns": dict(study.columns), "rows": rows, "conclusion": findings.conclusion}
 
 
-def study_table(document: Mapping[str, Any]):
+def study_table(document: Mapping[str, Any]) -> "Table":
     """The table of a study for a terminal."""
     from rich.table import Table
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.typing import NDArray
@@ -11,6 +12,9 @@ from synth.rover.law.response import SoilError
 from synth.rover.law.rft import ResistiveForceLaw, ResistiveSoil
 from synth.rover.law.rim_law import RimLaw
 from synth.rover.law.single_wheel import Paths, lead
+
+if TYPE_CHECKING:
+    from scipy.optimize import OptimizeResult
 
 TOLERANCE: Mapping[str, float] = {"sinkage": 0.1, "drawbar_pull": 0.05, "torque": 0.05}
 """What counts as one in a misfit: of the mean sinkage; of the load; of load x radius."""
@@ -192,7 +196,7 @@ def _soil_of(start: ResistiveSoil, names: Sequence[str], logarithms: NDArray) ->
     return replace(start, **values, damping_time=0.0)
 
 
-def _estimates(names: Sequence[str], found) -> dict[str, Estimate]:
+def _estimates(names: Sequence[str], found: "OptimizeResult") -> dict[str, Estimate]:
     """Intervals after the linearized misfit and Student's distribution, cut off at `BOUNDS`."""
     from scipy.stats import t
 
