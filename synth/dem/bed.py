@@ -89,16 +89,6 @@ def settled_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed
     return _judged(*kept, relation)
 
 
-def prepare_bed(scene: SoilBinScene, *, progress: Progress | None = None) -> Bed:
-    """Drop, settle, level, weigh, and let come to rest.
-
-    Settling happens at a lower stiffness, which the weight of the bed alone allows and which is quicker; the
-    last stage brings the grains to rest at the scene's own.
-    """
-    relation = _relation(scene, _part(progress, 0))
-    return _judged(*_prepared(scene, _settling_friction(scene, relation), progress), relation)
-
-
 def _relation(scene: SoilBinScene, progress: Progress | None) -> SettlingRelation | None:
     """Void ratio by friction while settling: where a relative density is wanted, or the soil knows."""
     bed, soil = scene.bed, scene.soil
@@ -124,7 +114,11 @@ def _judged(grains: Grains, solid_fraction: float, relation: SettlingRelation | 
 def _prepared(
     scene: SoilBinScene, settling_friction: float, progress: Progress | None
 ) -> tuple[Grains, float]:
-    """Grains and solid fraction of a bed made anew."""
+    """Grains and solid fraction of a bed made anew: dropped, settled, levelled, weighed, and come to rest.
+
+    Settling happens at a lower stiffness, which the weight of the bed alone allows and which is quicker; the
+    last stage brings the grains to rest at the scene's own.
+    """
     law, bin_ = contact_law(scene), bin_of(scene.bed, scene.contact.steps_per_contact)
     if scene.bed.thickness:
         from synth.dem.slab import prepare_slab

@@ -41,13 +41,13 @@ def prepare_slab(scene: SoilBinScene, law: Law, *, progress: Progress | None = N
     float
         Share of the bed's volume that they fill.
     """
-    settling = _Stage(scene, _settling_law(scene, law), progress, 0)
+    settling = _Stage(scene, _settling_law(scene, law), progress)
     dropped = _dropped(scene, np.random.default_rng([scene.seed, 1]))
     settled = settling.rest(settling.fall(dropped), part=1)
     levelled = settled.only(settled.position[2] + settled.radius <= scene.bed.depth)
     solid_fraction = _solid_fraction(levelled, scene)
     weighed = replace(levelled, density=scene.soil.bulk_density / solid_fraction)
-    rested = _Stage(scene, law, progress, 0).rest(weighed, part=2)
+    rested = _Stage(scene, law, progress).rest(weighed, part=2)
     return _spheres(rested.only(_by_column(rested))), solid_fraction
 
 
@@ -105,7 +105,6 @@ class _Stage:
     scene: SoilBinScene
     law: Law
     progress: Progress | None
-    first_part: int
 
     def fall(self, grains: Spheres) -> Grains:
         """Advance while the lattice collapses: a third longer than its top falls to the bed's depth."""

@@ -147,12 +147,6 @@ def rest_on_floor(ring: Ring, deflection: float, *, start: np.ndarray | None = N
     raise RingError(f"deflection = {deflection:g} m: no state of rest found on a flat floor: take it smaller")
 
 
-def elastic_energy(ring: Ring, nodes: np.ndarray) -> float:
-    """Energy of the springs, bars and hinges of a ring with `nodes` (N, 2) in the hub's frame, J/m."""
-    residual = _FloorProblem(ring, -np.inf).residual(nodes)
-    return 0.5 * float(residual @ residual)
-
-
 class _FloorProblem:
     """The energy of a ring over a floor, as half the sum of squares of residuals."""
 

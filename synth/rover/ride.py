@@ -1,6 +1,6 @@
 """A vehicle rides on soil: MuJoCo and a wheel-soil law in step."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,8 +14,6 @@ _SIDE_CREEP = 0.01
 """m/s; sideways velocity at which it is mobilised."""
 _LAW = "law_"
 """Begins the names of the law's part of a state."""
-Command = Callable[[float], NDArray]
-"""The actuators' targets at a time (s), shape (actuator_count,)."""
 
 
 class Ride:
@@ -79,15 +77,6 @@ class Ride:
     def travel(self) -> float:
         """X of the vehicle's body, m."""
         return float(self.data.xpos[self.vehicle.main_body, 0])
-
-    @property
-    def energy(self) -> float:
-        """Kinetic and potential energy of the vehicle, J."""
-        import mujoco
-
-        mujoco.mj_energyPos(self.model, self.data)
-        mujoco.mj_energyVel(self.model, self.data)
-        return float(self.data.energy.sum())
 
     def step(self, command: NDArray) -> WheelForces:
         """Advance by one time step with the actuators' targets `command`."""

@@ -40,10 +40,6 @@ class SideFrame:
         """Distance of the axles at an angle between the arms, m."""
         return 2 * self.arm_length * math.sin(spread / 2)
 
-    def shoulder_height(self, wheelbase: float) -> float:
-        """Of the shoulder above the hubs, m."""
-        return self.arm_length * math.cos(self.spread(wheelbase) / 2)
-
     def require(self, wheelbase: float) -> None:
         """Refuse a wheelbase out of reach.
 

@@ -15,8 +15,6 @@ if TYPE_CHECKING:
 PUBLISHED = "paper_drawbar"
 SCARAB = "scarab"
 """The vehicle that was published."""
-MAXIMUM_WITHIN, RATIO_WITHIN = 0.15, 0.10
-"""Goals: relative error of a maximum, and of the ratio inching / rolling."""
 
 
 @dataclass(frozen=True)

@@ -7,10 +7,6 @@ from typing import TYPE_CHECKING, Any, TextIO
 
 import numpy as np
 
-from validation.suites.execution import is_measured, measured_file
-from validation.suites.measurement_file import open_measurement
-from validation.suites.plan import Suite
-
 if TYPE_CHECKING:
     import xarray as xr
 
@@ -44,16 +40,6 @@ _WHOLE = ("seed", "picture_seed", "stride", "quick", "pair")
 _LONGEST_SHOWN = 60
 
 Line = dict[str, Any]
-
-
-def collect(suite: Suite, out: Path) -> list[Line]:
-    """Lines of all measurements of a suite that are there; NaN where a stratum has no pixels."""
-    found: list[Line] = []
-    for look in suite.looks:
-        if is_measured(out, look):
-            with open_measurement(measured_file(out, look)) as measured:
-                found += lines_of(measured.load())
-    return found
 
 
 def lines_of(measured: "xr.Dataset") -> list[Line]:

@@ -3,10 +3,11 @@ import pytest
 
 from synth.dem import relative_density
 from synth.dem.grains import Grains, Spheres
-from synth.dem.packing import bond_orientational_order, slab_solid_fraction, solid_fraction, void_ratio
+from synth.dem.packing import slab_solid_fraction, solid_fraction, void_ratio
 from synth.dem.relative_density import DIAMETER, settled_sample
 from synth.devices import start_taichi
 from synth.soil import GrainContact
+from tests.synth.dem.bond_order import bond_orientational_order
 
 CONTACT = GrainContact(
     friction=0.5, rolling_friction=0.2, restitution=0.5, wall_friction=0.5, implement_friction=0.5

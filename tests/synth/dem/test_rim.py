@@ -15,8 +15,9 @@ from synth.dem.rim import contact_extent, rim_state
 from synth.dem.tool import Tool
 from synth.devices import start_taichi
 from synth.implements.compliant_wheel import rim_shape
-from synth.implements.ring import Ring, elastic_energy, rest_on_floor, stiffened
+from synth.implements.ring import Ring, rest_on_floor, stiffened
 from synth.scene import SceneError, parse_scene
+from tests.synth.implements.ring_energy import elastic_energy
 
 start_taichi()
 

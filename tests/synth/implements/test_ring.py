@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth.implements.ring import Ring, elastic_energy, rest_on_floor, stiffened
+from synth.implements.ring import Ring, rest_on_floor, stiffened
+from tests.synth.implements.ring_energy import elastic_energy
 
 RADIUS, DEFLECTION = 0.1, 0.02
 

@@ -5,11 +5,11 @@ import numpy as np
 import pytest
 
 from synth.rover.balance import Balance
-from synth.rover.energy import EnergyLedger
 from synth.rover.gaits import Rolling, held_command
 from synth.rover.law.catalogue import make_law
 from synth.rover.ride import Ride
 from synth.rover.vehicle import load_vehicle
+from tests.synth.rover.energy_ledger import EnergyLedger
 from tests.synth.rover.slipping import SlippingLaw
 
 STANCES = ("high", "middle", "low")

@@ -8,10 +8,10 @@ import pytest
 import xarray as xr
 
 from validation.suites.execution import Task, carry_out, carry_out_task, measured_file
+from validation.suites.gathered import gather
 from validation.suites.measurement_file import open_measurement
 from validation.suites.plan import Look, Motion, Realisation, Suite
 from validation.suites.results import results_table, write_results
-from validation.suites.table import collect
 from validation.terminal import Terminal
 
 MOTION = Motion("sand_rotation", seed=1, quick=True)
@@ -32,7 +32,7 @@ def out(tmp_path_factory):
 
 
 def test_measurements(out):
-    lines = collect(SUITE, out)
+    lines = gather(SUITE, out).lines
     every = [line for line in lines if line["stratum"] == "all"]
     assert [line["picture_seed"] for line in every] == [0, 1]
     assert all(0 < line["median"] < 0.2 and line["coverage"] > 0.9 for line in every)
@@ -52,7 +52,7 @@ def test_does_only_what_is_missing(out):
     whole = paths[1].read_bytes()
     for length in (1000, len(whole) - 1000):  # cut short
         paths[1].write_bytes(whole[:length])
-        assert len(collect(SUITE, out)) == 5  # strata of the other one
+        assert len(gather(SUITE, out).lines) == 5  # strata of the other one
     (out / ".partial-killed").mkdir()
     assert carry_out(SUITE, out, processes=1, terminal=Terminal()) == []
     assert not list(out.glob(".partial-*"))
@@ -84,7 +84,7 @@ def test_results(out):
     assert interval["realisation_count"] == 2
     with (out / "small.csv").open() as file:
         rows = list(csv.DictReader(file))
-    assert len(rows) == len(collect(SUITE, out)) and rows[0]["method"] == "farneback"
+    assert len(rows) == len(gather(SUITE, out).lines) and rows[0]["method"] == "farneback"
     with xr.open_dataset(out / "small.nc", engine="h5netcdf") as table:
         assert np.isfinite(table["median"][0]) and table["median"].attrs["units"] == "px"
     assert results_table(document).row_count == 2  # all, moving: no complex flow in a rotation

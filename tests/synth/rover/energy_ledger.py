@@ -45,7 +45,7 @@ class EnergyLedger:
 
     def __init__(self, ride: Ride) -> None:
         self._ride = ride
-        self._start = ride.energy
+        self._start = self._stored()
         self._motors = self._soil = self._cable = 0.0
         self._before = self._ways()
 
@@ -67,7 +67,16 @@ class EnergyLedger:
 
     def work(self) -> Work:
         """Until now."""
-        return Work(self._motors, self._soil, self._cable, self._ride.energy - self._start)
+        return Work(self._motors, self._soil, self._cable, self._stored() - self._start)
+
+    def _stored(self) -> float:
+        """Kinetic and potential energy of the vehicle, J."""
+        import mujoco
+
+        ride = self._ride
+        mujoco.mj_energyPos(ride.model, ride.data)
+        mujoco.mj_energyVel(ride.model, ride.data)
+        return float(ride.data.energy.sum())
 
     def _ways(self) -> tuple[NDArray, ...]:
         states = self._ride.wheel_states()
