@@ -36,6 +36,7 @@ _MARGIN = 0.15
 _TALLEST = 4.2
 _BAR_GAP, _BAR_WIDTH = 0.09, 0.14
 _WHEEL_CENTRE, _WHEEL_SIZE = 0.58, 0.56
+_ARROWS_ACROSS = 26
 _LOGARITHMIC_TICKS = (0.001, 0.003, 0.01, 0.03, 0.1, 0.3, 1, 3, 10, 30, 100)
 
 
@@ -186,15 +187,13 @@ def show_map(
     )
 
 
-def colour_bar(
-    axes: "Axes", image: "AxesImage", label: str, *, extend: str = "neither", ticks: Any = None
-) -> Any:
+def colour_bar(axes: "Axes", image: "AxesImage", label: str, *, extend: str = "neither") -> Any:
     """A bar beside the axes that says what colours mean."""
     from matplotlib.colors import LogNorm
 
     place = _beside(axes, _BAR_GAP, 0, _BAR_WIDTH, _height(axes))
-    bar = axes.figure.colorbar(image, cax=place, extend=extend, ticks=ticks)
-    if ticks is None and isinstance(image.norm, LogNorm):
+    bar = axes.figure.colorbar(image, cax=place, extend=extend)
+    if isinstance(image.norm, LogNorm):
         low, high = image.get_clim()
         plain = [mark for mark in _LOGARITHMIC_TICKS if (low or 0) <= mark <= (high or 0)]
         bar.set_ticks(plain, labels=[f"{mark:g}" for mark in plain])
@@ -269,9 +268,9 @@ def _cased(colours: Colours) -> Any:
     return [Stroke(linewidth=_INTERFACE_WIDTH + 1.4, foreground=colours.interface_casing), Normal()]
 
 
-def draw_arrows(axes: "Axes", view: View, colours: Colours, *, across: int = 26) -> None:
+def draw_arrows(axes: "Axes", view: View, colours: Colours) -> None:
     """Draw arrows of one length where soil goes: the vectors at every n-th place of the moving region."""
-    step = max(view.moving.shape[1] // across, 1)
+    step = max(view.moving.shape[1] // _ARROWS_ACROSS, 1)
     every = slice(step // 2, None, step)
     here = (every, every)
     x, y = np.meshgrid(*(place[every] for place in view.places))
@@ -281,7 +280,8 @@ def draw_arrows(axes: "Axes", view: View, colours: Colours, *, across: int = 26)
     axes.quiver(
         x[chosen], y[chosen], view.x[here][chosen] / length, view.z[here][chosen] / length,
         # An arrow that points up has a positive second component on the screen, however y is counted.
-        angles="uv", color=colours.arrow, pivot="mid", scale=1.35 * across, width=0.0022, headwidth=4.5,
+        angles="uv", color=colours.arrow, pivot="mid", scale=1.35 * _ARROWS_ACROSS, width=0.0022,
+        headwidth=4.5,
     )  # fmt: skip
 
 

@@ -45,6 +45,27 @@ def test_ends_at_what_was_not_measured_and_where_slow():
     assert trace_streamlines(displacement, np.zeros(SHAPE, bool)).lines == ()
 
 
+def test_slower_soil_is_left_out_as_asked():
+    displacement = np.stack([X / 40, np.zeros(SHAPE)], axis=-1)  # 1 px at x = 40, 3 px at x = 120
+    starts = [
+        min(line[:, 0].min() for line in trace_streamlines(displacement, EVERYWHERE, least_speed=least).lines)
+        for least in (1.0, 3.0)
+    ]
+    assert starts == pytest.approx([40, 120], abs=1)
+
+
+def test_lines_are_followed_no_further_than_asked():
+    displacement = np.stack([np.full(SHAPE, 3.0), np.zeros(SHAPE)], axis=-1)
+    lengths = {
+        longest: max(
+            np.ptp(line[:, 0]) for line in trace_streamlines(displacement, EVERYWHERE, longest=longest).lines
+        )
+        for longest in (25.0, np.inf)
+    }
+    assert lengths[25.0] == pytest.approx(50, abs=1)  # each way
+    assert lengths[np.inf] > 140
+
+
 def test_lines_keep_their_distance():
     displacement = np.stack([np.ones(SHAPE), 0.3 * np.sin(X / 15)], axis=-1)
     lines = trace_streamlines(displacement, EVERYWHERE, spacing=16).lines
@@ -58,5 +79,7 @@ def test_lines_keep_their_distance():
 def test_refused():
     with pytest.raises(ValueError, match="spacing: 0"):
         trace_streamlines(np.zeros((*SHAPE, 2)), EVERYWHERE, spacing=0)
+    with pytest.raises(ValueError, match="least_speed: -1"):
+        trace_streamlines(np.zeros((*SHAPE, 2)), EVERYWHERE, least_speed=-1)
     with pytest.raises(ValueError, match="measured: shape"):
         trace_streamlines(np.zeros((*SHAPE, 2)), np.ones((2, 2), bool))

@@ -38,6 +38,9 @@ class Size:
     height: int = 540
 
 
+_STANCE_SIZE = Size(width=560, height=480)
+
+
 def draw_without_display() -> None:
     """Let MuJoCo draw by EGL, which works on processors alone, where there is no display.
 
@@ -144,13 +147,12 @@ class SceneCamera:
         scene.ngeom += 1
 
 
-def stances_picture(vehicle: "Vehicle", size: Size | None = None) -> NDArray:
+def stances_picture(vehicle: "Vehicle") -> NDArray:
     """The stances that a model comes with, side by side, (H, W, 3) uint8."""
     import mujoco
 
-    size = size or Size(width=560, height=480)
     pictures = []
-    with camera_on(vehicle, size) as camera:
+    with camera_on(vehicle, _STANCE_SIZE) as camera:
         for stance in vehicle.keyframes or ("",):
             data = mujoco.MjData(vehicle.model)
             if stance:

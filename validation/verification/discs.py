@@ -96,6 +96,6 @@ def advance_for(solver: Solver, time: float) -> None:
     solver.advance(max(1, round(time / solver.time_step)))
 
 
-def resting_height(weight: float, stiffness: float = STIFFNESS) -> float:
+def resting_height(weight: float) -> float:
     """Height of the centre of a disc that presses on the floor with `weight` (N/m), m."""
-    return RADIUS - weight / stiffness
+    return RADIUS - weight / STIFFNESS

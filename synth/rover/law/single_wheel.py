@@ -20,6 +20,8 @@ _GREATEST_FALL = 1e-3
 """Of an axle in a step / radius."""
 _SHALLOWEST = 0.01
 """Sinkage / radius that a wheel's stiffness on the ground is reckoned with, at least."""
+_LONGEST_STEP = 1e-4
+"""m, of a scene's wheel or its rim."""
 _PERSISTENCE, _RESPONSE = 0.8, 0.4
 """Share of an axle's last step that it keeps, and of what the load lacks that it follows."""
 
@@ -52,13 +54,13 @@ class Paths:
         return cls(done * travel, done * travel * rim / radius, np.minimum(10 * done, 1) * load)
 
     @classmethod
-    def of_scene(cls, scene: "SoilBinScene", *, longest_step: float = 1e-4) -> tuple["Paths", NDArray]:
-        """The path of a scene's wheel in steps of at most `longest_step` (m), and their times (s)."""
+    def of_scene(cls, scene: "SoilBinScene") -> tuple["Paths", NDArray]:
+        """The path of a scene's wheel in steps of at most a tenth of a millimetre, and their times (s)."""
         program, wheel = scene.program, scene.implement
         radius = wheel.radius  # type: ignore[union-attr]
         fastest = max(np.abs(program.velocity_x).max(), np.abs(program.spin).max() * radius)
         end = (scene.timing.frame_count - 1) / scene.timing.frame_rate
-        time = np.arange(program.time[0], end, longest_step / fastest)
+        time = np.arange(program.time[0], end, _LONGEST_STEP / fastest)
         speed, spin, share = (
             np.interp(time, program.time, one) for one in (program.velocity_x, program.spin, program.load)
         )

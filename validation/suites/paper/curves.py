@@ -16,18 +16,18 @@ _BLUE, _ORANGE, _GREEN, _GREY = "#0072b2", "#d55e00", "#009e73", "0.45"
 """Three of Okabe and Ito's, told apart by those who do not tell red from green."""
 _SHADES = ("#4c78a8", "#b5cbe3", "#e3e3e3")
 _LETTERS = 9
+_HEIGHT = 3.3
+"""Of a figure, inches."""
 _SHOWN = 0.6
 """px of error that distributions are drawn to."""
 
 
-def _page(
-    columns: int = 1, *, width: float = 4.6, height: float = 3.3, **options: Any
-) -> "tuple[Figure, list[Axes]]":
+def _page(columns: int = 1, *, width: float = 4.6, **options: Any) -> "tuple[Figure, list[Axes]]":
     from matplotlib.figure import Figure
 
     from soft.figures.page import plain_axes
 
-    figure = Figure(figsize=(width * columns, height), layout="constrained")
+    figure = Figure(figsize=(width * columns, _HEIGHT), layout="constrained")
     drawn = figure.subplots(1, columns, squeeze=False, **options)[0]
     return figure, [plain_axes(axes) for axes in drawn]
 

@@ -27,7 +27,7 @@ REACH = 20
 """px that motion may be, each way: more than the plate's corners move."""
 
 
-def match_windows(first: np.ndarray, second: np.ndarray, *, side: int, reach: int = REACH) -> np.ndarray:
+def match_windows(first: np.ndarray, second: np.ndarray, *, side: int) -> np.ndarray:
     """Displacement of windows that lie side by side, at the pixels in their middles; NaN elsewhere.
 
     Parameters
@@ -36,8 +36,6 @@ def match_windows(first: np.ndarray, second: np.ndarray, *, side: int, reach: in
         Grey pictures.
     side : int
         Of a window, px; odd.
-    reach : int, optional
-        Px that a window is searched for, each way.
 
     Returns
     -------
@@ -48,13 +46,13 @@ def match_windows(first: np.ndarray, second: np.ndarray, *, side: int, reach: in
 
     height, width = first.shape
     found = np.full((height, width, 2), np.nan, np.float32)
-    padded = cv2.copyMakeBorder(second, reach, reach, reach, reach, cv2.BORDER_REFLECT)
+    padded = cv2.copyMakeBorder(second, REACH, REACH, REACH, REACH, cv2.BORDER_REFLECT)
     for top in range(0, height - side + 1, side):
         for left in range(0, width - side + 1, side):
             window = first[top : top + side, left : left + side]
-            around = padded[top : top + side + 2 * reach, left : left + side + 2 * reach]
+            around = padded[top : top + side + 2 * REACH, left : left + side + 2 * REACH]
             score = cv2.matchTemplate(around, window, cv2.TM_CCOEFF_NORMED)
-            found[top + side // 2, left + side // 2] = _peak(score) - reach
+            found[top + side // 2, left + side // 2] = _peak(score) - REACH
     return found
 
 
