@@ -2,12 +2,12 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable, Mapping
 from pathlib import Path
 from typing import Any
 
 from synth.devices import cache_folder
+from synth.disk import written_whole
 from synth.locks import sole_maker
 from synth.text_files import read_json
 
@@ -50,8 +50,5 @@ def _path(kind: str, made_from: Mapping[str, Any]) -> Path:
 
 
 def _write(path: Path, document: dict[str, Any]) -> None:
-    """Written aside and renamed: a value in the cache is whole."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{path.stem}-{os.getpid()}.json")
-    aside.write_text(json.dumps(document, allow_nan=False), encoding="utf-8")
-    aside.replace(path)
+    with written_whole(path) as draft:
+        draft.write_text(json.dumps(document, allow_nan=False), encoding="utf-8")

@@ -46,6 +46,36 @@ def naming(path: Path) -> Iterator[None]:
         raise
 
 
+@contextmanager
+def written_whole(path: Path, *, draft: Path | None = None) -> Iterator[Path]:
+    """Let a file appear, or change, only when all of it is on the disk.
+
+    Gives a path to write to, with the same suffix. It takes the place of `path` when the block ends well, and
+    is gone otherwise, so that a full disk gets its bytes back. Folders are made. What the system says of the
+    draft is said of `path`.
+
+    Parameters
+    ----------
+    draft : Path, optional
+        Where to write until then, on the same file system: in a work folder that is cleared of what killed
+        processes leave. Default: beside `path`, of another name in every process.
+    """
+    draft = draft or path.with_name(f".partial-{os.getpid()}-{path.name}")
+    for folder in (draft.parent, path.parent):
+        folder.mkdir(parents=True, exist_ok=True)
+    try:
+        yield draft
+        with draft.open("rb") as file:
+            os.fsync(file.fileno())  # else the name may get to the disk before the bytes
+        draft.replace(path)
+    except OSError as error:
+        if error.filename is None or str(error.filename) == str(draft):
+            error.filename, error.filename2 = str(path), None
+        raise
+    finally:
+        draft.unlink(missing_ok=True)
+
+
 def system_complaint(error: BaseException) -> str | None:
     """File and reason, `truth.nc: No space left on device`; None of an error that is not the system's."""
     told = _HDF5_REASON.search(str(error))

@@ -6,7 +6,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from synth.disk import naming
+from synth.disk import written_whole
 from synth.locks import locked
 
 SWEEP_FILE = "sweep.toml"
@@ -92,14 +92,8 @@ class DataSetFolder:
 
     def write(self, name: str, content: str | bytes) -> None:
         """Write a file whole, or leave it as it was."""
-        aside = self.path / _WORK / f"{name}.new"
-        aside.parent.mkdir(parents=True, exist_ok=True)
-        try:
-            with naming(self.path / name):
-                aside.write_bytes(content.encode() if isinstance(content, str) else content)
-            aside.replace(self.path / name)
-        finally:
-            aside.unlink(missing_ok=True)
+        with written_whole(self.path / name, draft=self.path / _WORK / f"{name}.new") as draft:
+            draft.write_bytes(content.encode() if isinstance(content, str) else content)
 
     def _refuse_foreign(self) -> None:
         if self.path.exists() and not self.path.is_dir():

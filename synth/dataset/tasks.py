@@ -16,17 +16,13 @@ import warnings
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 from synth.dataset.folder import CHECKPOINT, FACTS_FILE, SWEEP_FILE, DataSetFolder
 from synth.dataset.members import NAME_LENGTH, Failure
 from synth.dataset.versions import decisive_versions, differing
 from synth.dem.failures import SimulationError
-from synth.disk import system_complaint
+from synth.disk import system_complaint, written_whole
 from synth.scene import AnalyticScene, AnyScene, SoilBinScene
-
-if TYPE_CHECKING:
-    from synth.recording import Recording
 
 SCENE_FILE = "scene.toml"
 _log = logging.getLogger(__name__)
@@ -120,19 +116,10 @@ def simulate(order: Order, scene: AnyScene, _: Seconds) -> bool:
             shutil.rmtree(place)  # going on from its checkpoint would only stop there again
             raise
         recording.data.attrs["digest"] = recording.digest
-        _publish(recording, place / final.name, final)
+        with written_whole(final, draft=place / final.name) as draft:
+            recording.write(draft)
         shutil.rmtree(place)
         return True
-
-
-def _publish(recording: "Recording", aside: Path, final: Path) -> None:
-    """Write a recording whole, or not at all; a full disk gets its bytes back."""
-    try:
-        recording.write(aside)
-        final.parent.mkdir(exist_ok=True)
-        aside.replace(final)
-    finally:
-        aside.unlink(missing_ok=True)
 
 
 @_task("pictures")

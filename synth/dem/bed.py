@@ -2,7 +2,6 @@
 
 import hashlib
 import json
-import os
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
@@ -23,6 +22,7 @@ from synth.dem.packing import void_ratio
 from synth.dem.relative_density import SettlingRelation, settling_relation
 from synth.dem.settling import FIRST_SOLID_FRACTION, Bin
 from synth.devices import cache_folder
+from synth.disk import written_whole
 from synth.locks import sole_maker
 from synth.npz_files import UNREADABLE
 from synth.scene import Bed as BedTable
@@ -174,17 +174,14 @@ def _bed_hash(scene: SoilBinScene, settling_friction: float) -> str:
 
 
 def _write(grains: Grains, solid_fraction: float, path: Path) -> None:
-    """Written aside and renamed: a bed in the cache is whole."""
-    path.parent.mkdir(parents=True, exist_ok=True)
-    aside = path.with_name(f".{path.stem}-{os.getpid()}.npz")
-    np.savez(
-        aside,
-        position=grains.position,
-        radius=grains.radius,
-        density=grains.density,
-        solid_fraction=solid_fraction,
-    )
-    aside.replace(path)
+    with written_whole(path) as draft:
+        np.savez(
+            draft,
+            position=grains.position,
+            radius=grains.radius,
+            density=grains.density,
+            solid_fraction=solid_fraction,
+        )
 
 
 def _read(path: Path) -> tuple[Grains, float] | None:

@@ -19,6 +19,7 @@ import numpy as np
 
 from synth.dem.log import RunLog
 from synth.dem.solver import Solver
+from synth.disk import written_whole
 from synth.npz_files import UNREADABLE
 
 CHECKPOINT_INTERVAL = 30.0
@@ -151,10 +152,8 @@ def digest_of(*arrays: np.ndarray) -> str:
 
 
 def _save(path: Path, arrays: dict[str, np.ndarray]) -> None:
-    aside = path.with_name(f"{path.name}.new")
-    with aside.open("wb") as file:
-        np.savez(file, allow_pickle=False, **arrays)  # type: ignore[arg-type]
-    aside.replace(path)
+    with written_whole(path) as draft:
+        np.savez(draft, allow_pickle=False, **arrays)  # type: ignore[arg-type]
 
 
 def _load(path: Path) -> dict[str, np.ndarray]:

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from synth.disk import naming, require_space, system_complaint
+from synth.disk import naming, require_space, system_complaint, written_whole
 from synth.recording import VARIABLES, Recording
 from synth.scene import load_scene
 from synth.truth import CAMERA_VARIABLES, PairTruth
@@ -30,6 +30,39 @@ HDF5 = (
 )
 def test_what_the_system_says_is_one_line(error, line):
     assert system_complaint(error) == line
+
+
+def test_a_file_changes_when_all_of_it_is_written(tmp_path):
+    path = tmp_path / "new" / "a.txt"
+    for text in ("first", "second"):
+        with written_whole(path) as draft:
+            draft.write_text(text)
+            assert (draft.parent, draft.suffix) == (path.parent, path.suffix)
+            assert not path.exists() or path.read_text() == "first"
+        assert path.read_text() == text
+    assert list(path.parent.iterdir()) == [path]
+
+
+@pytest.mark.parametrize("end", [KeyboardInterrupt, OSError(28, "No space left on device")])
+def test_what_is_not_written_to_the_end_leaves_the_file_as_it_was(tmp_path, end):
+    path, draft = tmp_path / "a.txt", tmp_path / "work" / "a.new"
+    path.write_text("before")
+    with pytest.raises(BaseException) as raised, written_whole(path, draft=draft) as told:
+        assert told == draft
+        draft.write_text("half")
+        raise end
+    assert path.read_text() == "before" and not draft.exists()
+    assert not isinstance(raised.value, OSError) or raised.value.filename == str(path)
+
+
+def test_what_cannot_be_begun_is_told_of_the_file_and_not_of_its_draft(tmp_path):
+    path = tmp_path / "a.txt"
+    with pytest.raises(FileNotFoundError) as raised, written_whole(path):
+        pass  # nothing is written
+    assert raised.value.filename == str(path)
+    with pytest.raises(FileNotFoundError) as raised, written_whole(path):
+        (tmp_path / "other").read_text()
+    assert raised.value.filename == str(tmp_path / "other")
 
 
 def test_the_file_that_is_written_is_named(tmp_path):

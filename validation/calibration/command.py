@@ -1,10 +1,10 @@
 """From a soil's file to a calibrated one beside its figure."""
 
-import os
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from synth.devices import start_taichi
+from synth.disk import written_whole
 from synth.scene import load_soil, soil_path
 from validation.calibration.calibrate import Calibration, CalibrationError, Target, calibrate
 from validation.calibration.evidence import soil_text
@@ -44,8 +44,10 @@ def calibrate_file(
     from validation.calibration.figure import calibration_figure
     from validation.figures import to_png
 
-    _write(figure, to_png(calibration_figure(calibration, file.published)))
-    _write(output, text.encode())
+    picture = to_png(calibration_figure(calibration, file.published))
+    for path, content in ((figure, picture), (output, text.encode())):
+        with written_whole(path) as draft:
+            draft.write_bytes(content)
     return calibration, figure
 
 
@@ -58,10 +60,3 @@ def _require_place(output: Path, figure: Path, overwrite: bool) -> None:
     for file in (output, figure):
         if file.exists() and not overwrite:
             raise CalibrationError(f"--output = {output}: {file} is there already; --overwrite replaces it")
-
-
-def _write(path: Path, content: bytes) -> None:
-    """Written aside and renamed: what is there is whole."""
-    aside = path.with_name(f".{path.name}-{os.getpid()}")
-    aside.write_bytes(content)
-    aside.replace(path)

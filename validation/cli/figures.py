@@ -1,12 +1,13 @@
 """Commands that show what was measured: figure, film."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Literal
 
 import typer
 
+from synth.disk import written_whole
 from validation.cli.app import app
 from validation.cli.folders import opened_material
 from validation.cli.options import Debug, Json
@@ -75,7 +76,8 @@ def figure(
     with terminal.working(), _opened(path, results, method) as subject, _beside(beside, method) as other:
         chosen = subject.require_pair(pair)
         drawn = draw_figure(kind, Order(subject, chosen, colours, other))
-        _written(file, lambda part: save_figure(drawn, part))
+        with written_whole(file) as draft:
+            save_figure(drawn, draft)
     terminal.show(str(file))
     terminal.give({"schema_version": 1, "figure": kind, "file": str(file), "pair": chosen})
 
@@ -104,8 +106,9 @@ def film(
         terminal.working(),
         _opened(path, results, method) as subject,
         terminal.progress("film") as progress,
+        written_whole(out) as draft,
     ):
-        _written(out, lambda part: make_film(subject, part, colours=colours, progress=progress))
+        make_film(subject, draft, colours=colours, progress=progress)
     terminal.show(str(out))
     terminal.give({"schema_version": 1, "file": str(out), "pair_count": subject.pair_count})
 
@@ -128,14 +131,3 @@ def _beside(path: Path | None, method: str | None) -> "Iterator[Subject | None]"
         return
     with _opened(path, None, method) as subject:
         yield subject
-
-
-def _written(file: Path, write: Callable[[Path], object]) -> None:
-    """Write a file whole or not at all."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    part = file.with_name(f".partial-{file.name}")
-    try:
-        write(part)
-        part.replace(file)
-    finally:
-        part.unlink(missing_ok=True)

@@ -11,6 +11,7 @@ from pathlib import Path
 from queue import Empty
 from typing import TYPE_CHECKING, Any
 
+from synth.disk import written_whole
 from synth.text_files import read_json
 from validation.drawbar.curve import GRAINS, Curve, CurveOrder
 from validation.drawbar.interrupted import Begun, find_begun, keep_begun
@@ -195,9 +196,8 @@ def _carry_out_one(order: CurveOrder, folder: Path, told: Any) -> None:
         told.put(1)
     assert so_far is not None
     document = so_far.curve.to_dict() | {"made_by": by}
-    part = folder / f".partial-{order.name}.json"
-    part.write_text(json.dumps(document, indent=1), encoding="utf-8")
-    part.replace(folder / f"{order.name}.json")
+    with written_whole(folder / f"{order.name}.json") as draft:
+        draft.write_text(json.dumps(document, indent=1), encoding="utf-8")
     path.unlink(missing_ok=True)
 
 

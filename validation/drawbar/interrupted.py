@@ -1,13 +1,13 @@
 """A curve that is not finished: its points, and where vehicle and soil are, so that it can go on."""
 
 import json
-import os
 from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from synth.disk import written_whole
 from synth.npz_files import UNREADABLE
 from validation.drawbar.curve import Curve, CurveOrder
 
@@ -32,12 +32,8 @@ class Begun:
 def keep_begun(path: Path, begun: Begun, made_by: dict[str, str]) -> None:
     """Write it, a former one replaced at once."""
     told = json.dumps(begun.curve.to_dict() | {"made_by": made_by})
-    part = path.with_name(f"{path.name}.part")
-    with part.open("wb") as file:
-        np.savez(file, **{_TOLD: np.array(told)}, **begun.state)  # type: ignore[arg-type]
-        file.flush()
-        os.fsync(file.fileno())
-    part.replace(path)
+    with written_whole(path) as draft:
+        np.savez(draft, **{_TOLD: np.array(told)}, **begun.state)  # type: ignore[arg-type]
 
 
 def find_begun(path: Path, order: CurveOrder, made_by: dict[str, str]) -> tuple[Begun | None, str]:

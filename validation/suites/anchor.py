@@ -11,6 +11,7 @@ from pathlib import Path
 
 import numpy as np
 
+from synth.disk import written_whole
 from validation.published import read_published
 from validation.suites.plan import Motion, Realisation, Suite
 from validation.suites.table import Line
@@ -38,9 +39,8 @@ class AnchorSuite(Suite):
 
     def write_more(self, lines: Sequence[Line], out: Path) -> None:
         """Write OUT/paper_severity.toml."""
-        draft = out / f".{FILE}"
-        write_anchor(lines, draft)
-        draft.replace(out / FILE)
+        with written_whole(out / FILE) as draft:
+            write_anchor(lines, draft)
 
 
 def anchor_suite(quick: bool) -> Suite:

@@ -12,6 +12,7 @@ from itertools import groupby
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from synth.disk import written_whole
 from validation.processes import worker_processes
 from validation.run_folder import PARTIAL_PREFIX, RunFolder
 from validation.suites.measurement_file import key_in, write_measurement
@@ -225,9 +226,8 @@ def _measure_one(
         scene_hash=scene.hash,
         threads=task.threads,
     )
-    draft = scratch / "measured.nc"
-    write_measurement(found, draft)
-    draft.replace(measured_file(task.out, look))
+    with written_whole(measured_file(task.out, look), draft=scratch / "measured.nc") as draft:
+        write_measurement(found, draft)
     shutil.rmtree(kept, ignore_errors=True)
 
 

@@ -3,12 +3,12 @@
 import json
 from collections.abc import Iterable, Sequence
 from dataclasses import asdict
-from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from synth.disk import written_whole
 from validation.statistics import Interval
 from validation.suites.execution import Failure
 from validation.suites.gathered import gather
@@ -48,26 +48,28 @@ def write_results(suite: Suite, out: Path, failures: Sequence[Failure], *, comma
     }
     own_page = suite.write_own_page(out, failures, command=command)
     document |= own_page or {}
-    _replace(out / f"{suite.name}.csv", lambda path: write_csv(lines, path))
+    with written_whole(out / f"{suite.name}.csv") as draft:
+        write_csv(lines, draft)
     if lines:
-        _replace(out / f"{suite.name}.nc", lambda path: write_netcdf(lines, path))
-    text = json.dumps(document, indent=1, allow_nan=False) + "\n"
-    _replace(out / f"{suite.name}.json", lambda path: path.write_text(text, encoding="utf-8"))
+        with written_whole(out / f"{suite.name}.nc") as draft:
+            write_netcdf(lines, draft)
+    with written_whole(out / f"{suite.name}.json") as draft:
+        draft.write_text(json.dumps(document, indent=1, allow_nan=False) + "\n", encoding="utf-8")
     if lines and not failures:
         suite.write_more(lines, out)
     if lines and own_page is None:
-        page = partial(write_suite_report, suite=suite, gathered=gathered, comparisons=compared)
-        _replace(out / f"{suite.name}.html", lambda path: page(path, failures=failures, command=command))
+        with written_whole(out / f"{suite.name}.html") as draft:
+            write_suite_report(
+                draft,
+                suite=suite,
+                gathered=gathered,
+                comparisons=compared,
+                failures=failures,
+                command=command,
+            )
         about = {name: document[name] for name in ("suite", "measured", "of", "versions", "machine")}
         write_kept(gathered, out / f"{suite.name}-tables", {"command": command, **about})
     return document
-
-
-def _replace(path: Path, write: Any) -> None:
-    """A file appears, or changes, when it is whole."""
-    draft = path.with_name(f".{path.name}")
-    write(draft)
-    draft.replace(path)
 
 
 def results_table(document: dict[str, Any], strata: Iterable[str] = ("all", "moving", "complex")) -> "Table":

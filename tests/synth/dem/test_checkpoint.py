@@ -121,7 +121,7 @@ def test_holds_no_pickle(left_behind):
 
 
 def test_removal_is_whole_and_may_be_repeated(left_behind):
-    shutil.copy(left_behind / "state.npz", left_behind / "state.npz.new")
+    shutil.copy(left_behind / "state.npz", left_behind / ".partial-1-state.npz")
     for _ in range(2):
         checkpoint.remove_checkpoint(left_behind)
         assert not left_behind.exists()

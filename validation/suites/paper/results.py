@@ -4,6 +4,7 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
+from synth.disk import written_whole
 from validation.suites.execution import Failure
 from validation.suites.paper.conclusion import Conclusion, write_verdicts
 from validation.suites.paper.found import Found
@@ -18,7 +19,6 @@ def conclude(suite: Suite, out: Path, failures: Sequence[Failure], *, command: s
     with Found.of(suite, out) as found:
         conclusion = Conclusion.of(found)
         write_verdicts(conclusion.rows, out / VERDICTS)
-        draft = out / f".{PAGE}"
-        write_paper_report(draft, found, conclusion, failures, command=command)
-        draft.replace(out / PAGE)
+        with written_whole(out / PAGE) as draft:
+            write_paper_report(draft, found, conclusion, failures, command=command)
     return conclusion.to_dict()
