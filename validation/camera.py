@@ -9,12 +9,12 @@ from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 
+from validation.statistics import NORMAL_95
+
 if TYPE_CHECKING:
     import xarray as xr
 
     from validation.truth_pass import TruePair
-
-_NORMAL_95 = 1.96
 
 
 @dataclass(frozen=True)
@@ -128,7 +128,7 @@ def camera_of(flow: "xr.Dataset") -> str:
 
 
 def _range(values: np.ndarray) -> float | None:
-    return _NORMAL_95 * float(values.std(ddof=1)) if values.size > 1 else None
+    return NORMAL_95 * float(values.std(ddof=1)) if values.size > 1 else None
 
 
 def _covered(low: np.ndarray, high: np.ndarray, true: np.ndarray) -> float | None:

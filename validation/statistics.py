@@ -14,6 +14,8 @@ from dataclasses import dataclass
 import numpy as np
 
 LEVEL = 0.95
+NORMAL_95 = 1.96
+"""Standard deviations from the mean of a normal distribution, each way, that hold 95 % of it."""
 RESAMPLES = 4000
 
 Realisations = Sequence[np.ndarray]

@@ -10,6 +10,7 @@ from validation.bench.flow_contender import Answer, Subject
 from validation.bench.rows import BenchRow, PeerError
 from validation.metrics import end_point_error
 from validation.nodes import difference_at, has_node
+from validation.statistics import NORMAL_95
 
 if TYPE_CHECKING:
     from soft.flow import FlowField
@@ -18,7 +19,7 @@ WRONG_ABOVE = 0.3
 """px."""
 LONGEST = 10.0
 """Once so many seconds are measured, a method is not asked again."""
-INTERVALS = ((68, 1.0), (95, 1.96))
+INTERVALS = ((68, 1.0), (95, NORMAL_95))
 """Percent of a normal distribution, and the standard deviations they lie within."""
 
 

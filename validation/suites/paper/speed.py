@@ -6,7 +6,7 @@ import numpy as np
 
 from validation.page import Panel
 from validation.published import read_published
-from validation.statistics import Interval
+from validation.statistics import NORMAL_95, Interval
 from validation.suites.paper.curves import draw_camera
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found, mean_of
@@ -20,7 +20,6 @@ if TYPE_CHECKING:
 
 MEASURE = f"{__name__}:measure"
 SCENE = "constant_speed"
-_NORMAL_95 = 1.96
 _MINOR = 0.5
 """Share of the published range below which the flow's part is the lesser one."""
 
@@ -77,7 +76,7 @@ def variance_of(realisations: list[np.ndarray]) -> Interval:
 
 def _range_of(variance: Interval) -> Interval:
     value, low, high = (
-        _NORMAL_95 * float(np.sqrt(max(part, 0.0))) for part in (variance.value, variance.low, variance.high)
+        NORMAL_95 * float(np.sqrt(max(part, 0.0))) for part in (variance.value, variance.low, variance.high)
     )
     return Interval(value, low, high, variance.realisation_count, variance.pair_count)
 
