@@ -1,4 +1,4 @@
-"""Where the middle of a field of numbers lies, and how well that is known although neighbours are alike.
+"""Location in the sense of statistics: median and mode of a field of numbers, with 95 % intervals.
 
 Errors of neighbouring pixels go together, so a million of them know far less than a million numbers would.
 How much less is taken from the field itself: it is cut into square blocks. What their sums scatter by tells

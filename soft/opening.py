@@ -1,4 +1,7 @@
-"""Pictures opened as settings say: calibrated, undistorted, cut out, masked, paired."""
+"""`open_sequence`: opens pictures for an analysis, as settings say.
+
+They are calibrated, undistorted, cut out, masked and paired.
+"""
 
 from dataclasses import replace
 from pathlib import Path

@@ -11,8 +11,8 @@ from soft.between_nodes import between_nodes
 from soft.flow import FlowField, estimate_flow
 from soft.flow.files import PREFIX
 from soft.flow_store import FlowStore, MeasuredFlow, flow_key
+from soft.growth import grown
 from soft.inertial import InertialMotion, to_inertial
-from soft.masks import grown
 from soft.segmentation import MovingRegion, moving_mask, soil_mask
 from soft.sequence import ImageSequence
 from soft.velocity import to_velocity

@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
+from soft.growth import grown
 from soft.illumination import flatten_illumination
-from soft.masks import grown
 
 # Of the histogram that classes are fitted on: fine against any class.
 BIN_COUNT = 4096

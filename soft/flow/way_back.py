@@ -6,7 +6,7 @@ from soft.flow.coarse_search import least_side, mismatch, search
 from soft.flow.consistency import landing
 from soft.flow.field import FlowField, known
 from soft.flow.opencv import halved, to_8bit
-from soft.masks import grown
+from soft.growth import grown
 
 MISSES = 2.0
 """By so much the way back may miss the start, px: near breaks of the motion, coarse search is off by one."""

@@ -10,7 +10,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from soft.flow.robust_affine.brightness import Constraints, PicturePair
-from soft.masks import grown
+from soft.growth import grown
 
 RINGS = ((12, 6), (3,))
 """Radii of the circles from which models are tried, px: those of the first round, then the second."""

@@ -37,7 +37,7 @@ from soft.flow.robust_affine.seed import seed
 from soft.flow.robust_affine.uncertainty import standard_deviation, widen_at_rim
 from soft.flow.robust_affine.windows import Chosen, Products, Window, choose, fit, fit_rest, repeated, spread
 from soft.flow.way_back import MISSES, QUICK_MISSES, quick_way_back, way_back
-from soft.masks import grown
+from soft.growth import grown
 
 PRESETS = ("accurate", "fast")
 _THIN = 2

@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from soft.flow.robust_affine.brightness import PicturePair
-from soft.masks import grown
+from soft.growth import grown
 
 MARGIN = 1
 """Px at a mask's rim that are not even looked at, though measured."""

@@ -1,4 +1,4 @@
-"""Masks made larger."""
+"""Growth of a mask by so many pixels each way (morphological dilation)."""
 
 import numpy as np
 
