@@ -173,8 +173,8 @@ EXPERIMENT = Experiment(
     find=_find,
     causes={
         ("along_pushed", "below"): (
-            "loose soil sinks under the load as it is pushed, and rises ahead; and where more than half "
-            "of the soil in view moves, the median over it is not the camera's motion"
+            "loose soil sinks under the load as it is pushed, and rises ahead; and where much of the soil "
+            "in view moves, its median is not quite the camera's motion"
         ),
         ("resultant_pushed", "below"): "the pushed mass rises at its fore and sinks at its rear",
         ("depth_difference", "below"): (

@@ -19,7 +19,9 @@ from validation.suites.paper.verdict import (
     published_words,
 )
 
-KEPT = {"paper-quick-verdicts": REFERENCE_FOLDER / "measured" / "paper-quick-verdicts.csv"}
+KEPT = {
+    name: REFERENCE_FOLDER / "measured" / f"{name}.csv" for name in ("paper-verdicts", "paper-quick-verdicts")
+}
 """Files that come along, by the name of their table in the docs."""
 _BESIDE = Variant("robust-affine", JUDGED.severity)
 
