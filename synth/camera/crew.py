@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from synth.recording import Recording
 
 SIZE = 2
-"""Processes; each needs up to 0.9 GiB of memory for pictures of 1200 x 600 px."""
+"""Processes. Each needs some 0.5 GiB of its own for pictures of 1200 x 600 px."""
 _LONGEST_FRAME = 30.0
 """Seconds that a process may go on with what it is at, where nobody wants the rest."""
 

@@ -66,16 +66,17 @@ class Summary:
     Attributes
     ----------
     seconds : dict
-        By stage.
+        By stage, for its frames after the first.
     processor : float
-        Seconds of the processor a frame, for its frames after the first.
-    peak_memory : int
-        Bytes.
+        Seconds of the processor a frame, likewise.
+    private_memory, shared_memory : int
+        Bytes that it has needed at most, and of these what other processes may have mapped, too.
     """
 
     seconds: dict[str, float]
     processor: float
-    peak_memory: int
+    private_memory: int
+    shared_memory: int
 
 
 def start_process(seat: Seat) -> "subprocess.Popen[bytes]":
@@ -119,23 +120,31 @@ def _take_part(seat: Seat, orders: Connection, job: Job) -> Summary:
     clock, recording = StageClock(), as_seen(job.recording, job.scene)
     baton = Baton(seat.number, seat.size, seat.heard, seat.told)
     used: list[float] = []
+
+    def frame_done(_: int) -> None:
+        used.append(time.process_time())
+        if len(used) == 1:
+            clock.seconds.clear()  # kernels were loaded
+
     make_frames(
         recording,
         job.scene,
         FootageWriter(orders, rooms_in(memory_for(job.shape, seat.rooms), job.shape)),
         clock,
         lambda motion: own_steps(motion, recording.frame_count, clock, baton, seat.grains),
-        lambda _: used.append(time.process_time()),
+        frame_done,
     )
     per_frame = (used[-1] - used[0]) / max(len(used) - 1, 1)
-    return Summary(dict(clock.seconds), per_frame, _peak_memory())
+    return Summary(dict(clock.seconds), per_frame, *_peak_memory())
 
 
-def _peak_memory() -> int:
+def _peak_memory() -> tuple[int, int]:
     # What `getrusage` tells of a process includes the one that it was started from.
     status = Path("/proc/self/status")
-    lines = status.read_text().splitlines() if status.is_file() else []
-    return next((1024 * int(line.split()[1]) for line in lines if line.startswith("VmHWM:")), 0)
+    lines = (line.split() for line in status.read_text().splitlines()) if status.is_file() else ()
+    size = {name: 1024 * int(count) for name, count, unit in (line for line in lines if line[-1:] == ["kB"])}
+    shared = size.get("RssFile:", 0) + size.get("RssShmem:", 0)
+    return size.get("VmHWM:", shared) - shared, shared
 
 
 def _that_travels(error: BaseException) -> BaseException:

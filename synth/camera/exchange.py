@@ -30,9 +30,9 @@ class Exchanging:
         placement = self._motion.start()
         return replace(placement, generation=np.zeros(len(placement.x), np.int32))
 
-    def advance(self, placement: "Placement") -> "Placement":
-        """Placement one frame later."""
-        moved = self._motion.advance(placement)
+    def advance(self, placement: "Placement", into: "Placement | None" = None) -> "Placement":
+        """Placement one frame later; its arrays may be those of `into`, which are overwritten."""
+        moved = self._motion.advance(placement, into)
         assert placement.generation is not None
         stream = random_stream(self._seed, Purpose.EXCHANGE, moved.frame)
         left = stream.random(len(moved.x), dtype=np.float32) < self._rate

@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Protocol
 import numpy as np
 
 from synth.camera.exchange import Exchanging
-from synth.camera.particle_field import ParticleField
+from synth.camera.particle_field import MovedPoints, ParticleField
 
 if TYPE_CHECKING:
     from synth.camera.texture import MicroGrains
@@ -62,8 +62,8 @@ class Motion(Protocol):
         """Placement in the first frame."""
         ...
 
-    def advance(self, placement: Placement) -> Placement:
-        """Placement one frame later."""
+    def advance(self, placement: Placement, into: Placement | None = None) -> Placement:
+        """Placement one frame later; its arrays may be those of `into`, which are overwritten."""
         ...
 
     def surroundings(
@@ -108,8 +108,8 @@ class OnPlate:
         """Placement in the first frame."""
         return self._at(0)
 
-    def advance(self, placement: Placement) -> Placement:
-        """Placement one frame later."""
+    def advance(self, placement: Placement, into: Placement | None = None) -> Placement:
+        """Placement one frame later, in arrays of its own."""
         return self._at(placement.frame + 1)
 
     def surroundings(
@@ -141,8 +141,8 @@ class Carried:
         """Placement in the first frame."""
         return self._at(0)
 
-    def advance(self, placement: Placement) -> Placement:
-        """Placement one frame later."""
+    def advance(self, placement: Placement, into: Placement | None = None) -> Placement:
+        """Placement one frame later, in arrays of its own."""
         return self._at(placement.frame + 1)
 
     def surroundings(
@@ -181,10 +181,11 @@ class Interpolated:
         grains = self._grains
         return Placement(0, grains.x, grains.z, np.zeros(grains.count), _all_alive(grains))
 
-    def advance(self, placement: Placement) -> Placement:
-        """Placement one frame later."""
+    def advance(self, placement: Placement, into: Placement | None = None) -> Placement:
+        """Placement one frame later, in the arrays of `into` where it is given."""
         field = self._field(placement, placement.frame + 1)
-        moved = field.carry(placement.x, placement.z, placement.angle, placement.alive)
+        moved = None if into is None else MovedPoints(into.x, into.z, into.angle, into.alive)
+        moved = field.carry(placement.x, placement.z, placement.angle, placement.alive, moved)
         return Placement(placement.frame + 1, moved.x, moved.z, moved.angle, moved.alive)
 
     def surroundings(

@@ -29,7 +29,7 @@ _LOOSE_LEAST = 0.005
 
 
 @dataclass(frozen=True)
-class Carried:
+class MovedPoints:
     """Points after the motion between two frames; shape (point,) each.
 
     Attributes
@@ -110,14 +110,27 @@ class ParticleField:
         self.loose[order] = loose
         self._latest: tuple[np.ndarray, tuple[Any, ...]] | None = None
 
-    def carry(self, x: "np.ndarray", z: "np.ndarray", angle: "np.ndarray", alive: "np.ndarray") -> Carried:
-        """Move the points `x`, `z` (m) with the angles `angle` (rad) where `alive` (uint8) is 1."""
+    def carry(
+        self,
+        x: "np.ndarray",
+        z: "np.ndarray",
+        angle: "np.ndarray",
+        alive: "np.ndarray",
+        carried: MovedPoints | None = None,
+    ) -> MovedPoints:
+        """Move the points `x`, `z` (m) with the angles `angle` (rad) where `alive` (uint8) is 1.
+
+        `carried`: what is overwritten and returned; others than the points.
+        """
         import numpy as np
 
         from synth.camera import field_kernels
 
-        count = len(x)
-        carried = Carried(np.empty(count), np.empty(count), np.empty(count), np.empty(count, np.uint8))
+        if carried is None:
+            count = len(x)
+            carried = MovedPoints(
+                np.empty(count), np.empty(count), np.empty(count), np.empty(count, np.uint8)
+            )
         field_kernels.carry(
             x,
             z,

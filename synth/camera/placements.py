@@ -101,7 +101,7 @@ def own_steps(motion: Motion, count: int, clock: "StageClock", baton: Baton, mem
         placement, following = ring.at(frame), None
         if frame + 1 < count:
             with clock.stage("moving"):
-                following = ring.put(motion.advance(placement))
+                following = ring.put(motion.advance(placement, ring.at(frame + 1)))
             baton.pass_on()
         yield Step(frame, ring.at(frame - 1) if frame else None, placement, following)
 
@@ -134,7 +134,8 @@ class _Ring:
         return Placement(frame, **self._slots[frame % len(self._slots)])
 
     def put(self, placement: Placement) -> Placement:
-        """Put a placement in, and return it as it lies there."""
+        """Put a placement in, where it is not in already, and return it as it lies there."""
         for name, values in self._slots[placement.frame % len(self._slots)].items():
-            values[:] = getattr(placement, name)
+            if getattr(placement, name) is not values:
+                values[:] = getattr(placement, name)
         return self.at(placement.frame)

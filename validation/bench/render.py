@@ -88,6 +88,11 @@ class _Rendering:
     processor: float
     clock: "StageClock"
 
+    @property
+    def first(self) -> int:
+        """Pictures that are not looked at: of processes that take turns, the first of each."""
+        return max(len(self.clock.elsewhere), 1)
+
 
 def _rendered(recording: "Recording", scene: "SoilBinScene", threads: int | None) -> _Rendering:
     from synth.camera.render import render
@@ -98,6 +103,8 @@ def _rendered(recording: "Recording", scene: "SoilBinScene", threads: int | None
     def frame_done(*_: int) -> None:
         times.append(time.perf_counter())
         processor.append(time.process_time())
+        if len(processor) == 1:
+            clock.seconds.clear()  # kernels were loaded
 
     with tempfile.TemporaryDirectory() as place:
         folder = Path(place) / "footage"
@@ -118,9 +125,8 @@ def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering])
     def row(metric: str, values: list[float], unit: str) -> BenchRow:
         return BenchRow(case, "softbed", version, True, metric, median(values), unit, len(values))
 
-    # What processes share counts once for each.
-    elsewhere = max(sum(one.peak_memory for one in run.clock.elsewhere) for run in runs)
-    peak = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2 + elsewhere / 1024**3
+    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
+    peak = own + max(map(_memory_elsewhere, runs)) / 1024**3
     visible, in_view = _micro_grains(scene, recording)
     rows = [
         row("pictures with truth", [run.rate for run in runs], "1/s"),
@@ -130,10 +136,16 @@ def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering])
         row("micro-grains in view, hidden ones too", [float(in_view)], "1"),
     ]
     for stage in runs[0].clock.seconds:
-        if stage != "strewing":
-            seconds = [run.clock.seconds[stage] / FRAME_COUNT for run in runs]
-            rows.append(row(stage, seconds, "s/picture"))
+        seconds = [run.clock.seconds[stage] / (FRAME_COUNT - run.first) for run in runs]
+        rows.append(row(stage, seconds, "s/picture"))
     return [*rows, row("peak memory so far, of all processes", [peak], "GiB")]
+
+
+def _memory_elsewhere(run: _Rendering) -> int:
+    """Bytes of other processes; what they share counts once."""
+    others = run.clock.elsewhere
+    shared = max((one.shared_memory for one in others), default=0)
+    return shared + sum(one.private_memory for one in others)
 
 
 def _micro_grains(scene: "SoilBinScene", recording: "Recording") -> tuple[int, int]:
