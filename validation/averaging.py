@@ -58,10 +58,12 @@ class AveragingScore:
         if len(self.pair_count) < 2:
             return ""
         count = self.pair_count[-1]
+        more = self.gain[-1] > count**0.5
         return (
             f"averaging {count} pairs takes the error (root mean square) from {self.error[0]:.3f} to "
             f"{self.error[-1]:.3f} px, a gain of {self.gain[-1]:.2f} where independent errors would give "
             f"{count**0.5:.2f}"
+            + (" (neighbouring pairs share a picture and err in opposite directions)" if more else "")
         )
 
 
