@@ -9,7 +9,6 @@ import time
 import traceback
 from dataclasses import astuple, dataclass
 from multiprocessing.connection import Connection
-from pathlib import Path
 from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
@@ -69,14 +68,13 @@ class Summary:
         By stage, for its frames after the first.
     processor : float
         Seconds of the processor a frame, likewise.
-    private_memory, shared_memory : int
-        Bytes that it has needed at most, and of these what other processes may have mapped, too.
+    memory : int
+        Bytes that it holds in the end, when all its buffers are there: see `synth.memory`.
     """
 
     seconds: dict[str, float]
     processor: float
-    private_memory: int
-    shared_memory: int
+    memory: int
 
 
 def start_process(seat: Seat) -> "subprocess.Popen[bytes]":
@@ -115,6 +113,7 @@ def _take_part(seat: Seat, orders: Connection, job: Job) -> Summary:
     from synth.camera.stages import StageClock
     from synth.camera.writing import FootageWriter
     from synth.devices import start_taichi
+    from synth.memory import memory_share
 
     start_taichi(threads=job.threads)
     clock, recording = StageClock(), as_seen(job.recording, job.scene)
@@ -135,16 +134,7 @@ def _take_part(seat: Seat, orders: Connection, job: Job) -> Summary:
         frame_done,
     )
     per_frame = (used[-1] - used[0]) / max(len(used) - 1, 1)
-    return Summary(dict(clock.seconds), per_frame, *_peak_memory())
-
-
-def _peak_memory() -> tuple[int, int]:
-    # What `getrusage` tells of a process includes the one that it was started from.
-    status = Path("/proc/self/status")
-    lines = (line.split() for line in status.read_text().splitlines()) if status.is_file() else ()
-    size = {name: 1024 * int(count) for name, count, unit in (line for line in lines if line[-1:] == ["kB"])}
-    shared = size.get("RssFile:", 0) + size.get("RssShmem:", 0)
-    return size.get("VmHWM:", shared) - shared, shared
+    return Summary(dict(clock.seconds), per_frame, memory_share())
 
 
 def _that_travels(error: BaseException) -> BaseException:

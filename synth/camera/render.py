@@ -15,7 +15,7 @@ if TYPE_CHECKING:
     from synth.recording import Recording
     from synth.scene import Scene
 
-_WORTH_A_CREW = 30e6
+_WORTH_A_CREW = 40e6
 """px of all pictures; fewer are made before other processes have come up."""
 
 

@@ -12,8 +12,8 @@ from synth.truth import VARIABLES
 if TYPE_CHECKING:
     from collections.abc import Iterator
 
-ROOM_COUNT = 3
-"""One that is filled, one that is written, and one between them."""
+ROOM_COUNT = 2
+"""One that is filled, and one that is written, which takes a fraction of the time."""
 _LIGHT = "light"
 _ALIGNED = 64
 

@@ -1,6 +1,5 @@
 """How fast pictures are made: the default scene's camera over a recording that needs no simulation."""
 
-import resource
 import tempfile
 import time
 from collections.abc import Callable, Sequence
@@ -20,7 +19,7 @@ if TYPE_CHECKING:
     from synth.camera.stages import StageClock
     from synth.scene import SoilBinScene
 
-FRAME_COUNT = 48
+FRAME_COUNT = 60
 """So many that two processes share them."""
 SUPERSAMPLING = (4, 6)
 """The least a scene may have, and the default scene's."""
@@ -44,18 +43,17 @@ def bench_render(
     threads : int, optional
         Default: every core.
     """
-    rows: list[BenchRow] = []
     total = len(supersampling) * repeats
-    for case, sampling in enumerate(supersampling):
-        scene = _scene(sampling)
-        recording = rolling_field(scene, FRAME_COUNT)
-        runs: list[_Rendering] = []
-        for repeat in range(repeats):
-            runs.append(_rendered(recording, scene, threads))
-            if progress is not None:
-                progress(case * repeats + repeat + 1, total)
-        rows += _rows(scene, recording, runs)
-    return rows
+    scenes = [_scene(sampling) for sampling in supersampling]
+    recording = rolling_field(scenes[0], FRAME_COUNT)  # however fine the samples, the same
+    runs: list[list[_Rendering]] = [[] for _ in scenes]
+    for done in range(total):
+        case = done // repeats
+        runs[case].append(_rendered(recording, scenes[case], threads))
+        if progress is not None:
+            progress(done + 1, total)
+    # Micro-grains are counted in this process: only now, lest the memory for it count, too.
+    return [row for case, scene in enumerate(scenes) for row in _rows(scene, recording, runs[case])]
 
 
 def _scene(sampling: int) -> "SoilBinScene":
@@ -80,12 +78,15 @@ class _Rendering:
         Pictures a second after that.
     processor : float
         Seconds of all cores together for each of these: another program on the machine hardly changes them.
+    memory : int
+        Bytes that all processes together hold at the last picture.
     clock : StageClock
     """
 
     start: float
     rate: float
     processor: float
+    memory: int
     clock: "StageClock"
 
     @property
@@ -97,12 +98,15 @@ class _Rendering:
 def _rendered(recording: "Recording", scene: "SoilBinScene", threads: int | None) -> _Rendering:
     from synth.camera.render import render
     from synth.camera.stages import StageClock
+    from synth.memory import memory_share
 
-    clock, times, processor = StageClock(), [time.perf_counter()], []
+    clock, times, processor, held = StageClock(), [time.perf_counter()], [], []
 
     def frame_done(*_: int) -> None:
         times.append(time.perf_counter())
         processor.append(time.process_time())
+        if len(processor) == FRAME_COUNT:
+            held.append(memory_share())
         if len(processor) == 1:
             clock.seconds.clear()  # kernels were loaded
 
@@ -115,7 +119,8 @@ def _rendered(recording: "Recording", scene: "SoilBinScene", threads: int | None
     rate = (FRAME_COUNT - first) / (times[-1] - times[first])
     elsewhere = sum(one.processor for one in clock.elsewhere) / first
     used = (processor[-1] - processor[first - 1]) / (FRAME_COUNT - first) + elsewhere
-    return _Rendering(times[1] - times[0], rate, used, clock)
+    memory = held[0] + sum(one.memory for one in clock.elsewhere)
+    return _Rendering(times[1] - times[0], rate, used, memory, clock)
 
 
 def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering]) -> list[BenchRow]:
@@ -125,8 +130,6 @@ def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering])
     def row(metric: str, values: list[float], unit: str) -> BenchRow:
         return BenchRow(case, "softbed", version, True, metric, median(values), unit, len(values))
 
-    own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024**2
-    peak = own + max(map(_memory_elsewhere, runs)) / 1024**3
     visible, in_view = _micro_grains(scene, recording)
     rows = [
         row("pictures with truth", [run.rate for run in runs], "1/s"),
@@ -138,14 +141,7 @@ def _rows(scene: "SoilBinScene", recording: "Recording", runs: list[_Rendering])
     for stage in runs[0].clock.seconds:
         seconds = [run.clock.seconds[stage] / (FRAME_COUNT - run.first) for run in runs]
         rows.append(row(stage, seconds, "s/picture"))
-    return [*rows, row("peak memory so far, of all processes", [peak], "GiB")]
-
-
-def _memory_elsewhere(run: _Rendering) -> int:
-    """Bytes of other processes; what they share counts once."""
-    others = run.clock.elsewhere
-    shared = max((one.shared_memory for one in others), default=0)
-    return shared + sum(one.private_memory for one in others)
+    return [*rows, row("memory", [run.memory / 1024**3 for run in runs], "GiB")]
 
 
 def _micro_grains(scene: "SoilBinScene", recording: "Recording") -> tuple[int, int]:

@@ -32,5 +32,5 @@ def test_rows_tell_rate_grains_stages_and_memory(monkeypatch):
     seen, hidden = rows["micro-grains that are seen"], rows["micro-grains in view, hidden ones too"]
     assert 0 < seen.value < hidden.value
     assert {"until the first picture", "covering", "lighting", "moving", "truth", "writing"} <= set(rows)
-    assert 0 < rows["peak memory so far, of all processes"].value < 16
+    assert 0 < rows["memory"].value < 16
     assert all(row.value == pytest.approx(row.value) and row.own for row in rows.values())
