@@ -1,6 +1,7 @@
 # make demo          the main job on the default scene: a scored report in out/demo
 # make test          the fast tests
 # make test-slow     the others: minutes
+# make test-versions the fast tests, with every Python that is declared, each in an environment of its own
 # make gate          whether robust-affine got worse than its baseline, on ten small clips
 # make lint          style and types
 # make docs          the pages of docs/ as a site, in build/docs; a warning is an error
@@ -14,7 +15,7 @@
 
 .DELETE_ON_ERROR:
 .SUFFIXES:
-.PHONY: demo test test-slow gate lint docs figures coverage wheel-check clean install develop
+.PHONY: demo test test-slow test-versions gate lint docs figures coverage wheel-check clean install develop
 
 VENV := .venv
 BIN := $(VENV)/bin
@@ -39,6 +40,9 @@ test: $(DEVELOPED)
 
 test-slow: $(DEVELOPED)
 	$(BIN)/python -m pytest $(PYTEST_OPTIONS) -m slow
+
+test-versions:
+	for version in 3.11 3.12; do $(MAKE) test VENV=build/python$$version PYTHON=python$$version || exit 1; done
 
 gate: $(DEVELOPED)
 	$(BIN)/softbed gate --method robust-affine --baseline tests/validation/gate/robust-affine.json
