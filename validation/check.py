@@ -252,7 +252,7 @@ def _analysis_faults(path: Path) -> list[str]:
 
 
 def _scores_faults(path: Path) -> list[str]:
-    from validation.score import Scores
+    from validation.scoring.score import Scores
 
     try:
         Scores.read(path)

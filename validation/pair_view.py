@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.metrics import end_point_error
-from validation.nodes import difference_at, has_node, stacked
-from validation.strata import Strata, find_strata
-from validation.truth_pass import TruePair
+from validation.scoring.metrics import end_point_error
+from validation.scoring.nodes import difference_at, has_node, stacked
+from validation.scoring.strata import Strata, find_strata
+from validation.scoring.truth_pass import TruePair
 
 DIRECTION_ABOVE = 0.3
 """px a frame; slower soil has no direction worth a colour."""
@@ -108,7 +108,7 @@ class PairView:
     truth : Motion
         What the soil did.
     strata : dict
-        The (H, W) bool masks of `validation.strata`.
+        The (H, W) bool masks of `validation.scoring.strata`.
     measured : dict
         By method's name.
     camera_u : float

@@ -17,13 +17,13 @@ from validation.figures import (
     draw_speed,
     draw_strata,
 )
-from validation.metrics import WRONG_ABOVE
 from validation.page import Panel, write_page
 from validation.pair_view import PairView, middle_pair, view_pair
 from validation.published import Published, read_published
-from validation.score import Scores
-from validation.score_table import REGION_COLUMNS, cells, is_published_rotation, number, region_cells
-from validation.strata import MEANINGS
+from validation.scoring.metrics import WRONG_ABOVE
+from validation.scoring.score import Scores
+from validation.scoring.score_table import REGION_COLUMNS, cells, is_published_rotation, number, region_cells
+from validation.scoring.strata import MEANINGS
 from validation.versions import machine, package_version, package_versions
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 from soft.figures.colours import colour_map, find_colours
 from synth import Footage
 from validation.pair_view import Motion
-from validation.strata import find_strata
+from validation.scoring.strata import find_strata
 
 TITLES = ("picture", "true speed", "true direction", "complex flow")
 COMPLEX = (0.90, 0.0, 0.45, 0.85)

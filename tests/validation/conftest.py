@@ -7,7 +7,7 @@ import xarray as xr
 
 from synth.scene_files import scenes_folder
 from validation.cli import run_command
-from validation.truth_pass import pass_over
+from validation.scoring.truth_pass import pass_over
 
 
 def write_scene(path, source, **changes):

@@ -20,8 +20,8 @@ import soft
 import synth
 from validation.cli import app
 from validation.cli.bench import refuse_foreign_options
-from validation.nodes import truth_at
 from validation.run_folder import PARTIAL_PREFIX
+from validation.scoring.nodes import truth_at
 
 WHOLE = {
     "analysis/dis.nc",

@@ -11,9 +11,9 @@ from soft import ImageSequence, analyze
 from soft.soilflow import INTERVAL_VARIABLES, NODE_VARIABLES
 from synth import recording, truth
 from synth.scene import SoilBinScene
-from validation.averaging import AveragingScore
-from validation.camera import CameraScore
-from validation.regions import RegionScore
+from validation.scoring.averaging import AveragingScore
+from validation.scoring.camera import CameraScore
+from validation.scoring.regions import RegionScore
 
 
 @pytest.fixture(scope="module")

@@ -31,7 +31,7 @@ from synth.scene_files import scenes_folder
 from validation.check import check_folder
 from validation.gate.measurement import GateError, Measurement
 from validation.manifest import Manifest, RunFolderError
-from validation.score import ScoreError, Scores
+from validation.scoring.score import ScoreError, Scores
 from validation.suites.kept import LINES, SHIPPED, KeptError, read_kept
 
 NUMBERS = st.integers(-(2**70), 2**70) | st.floats() | st.sampled_from([0, 1, -1, 0.5, 1e-300, 1e300])

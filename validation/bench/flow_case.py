@@ -85,7 +85,7 @@ def _of_run(folder: Path) -> Case:
     from soft.segmentation import soil_mask
     from soft.sequence import to_grey
     from synth.footage import Footage
-    from validation.strata import find_strata
+    from validation.scoring.strata import find_strata
 
     with Footage.open(folder / "footage") as footage:
         pair = footage.pair_count // 2

@@ -8,8 +8,8 @@ import numpy as np
 from validation.bench.flow_case import Case
 from validation.bench.flow_contender import Answer, Subject
 from validation.bench.rows import BenchRow, PeerError
-from validation.metrics import end_point_error
-from validation.nodes import difference_at, has_node
+from validation.scoring.metrics import end_point_error
+from validation.scoring.nodes import difference_at, has_node
 from validation.statistics import NORMAL_95
 
 if TYPE_CHECKING:

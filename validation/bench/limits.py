@@ -12,7 +12,7 @@ import numpy as np
 from validation.bench.flow_case import Case, analytic_cases, run_cases
 from validation.bench.flow_contender import CONTENDERS
 from validation.bench.rows import BenchRow
-from validation.metrics import WRONG_ABOVE, ErrorTally, end_point_error
+from validation.scoring.metrics import WRONG_ABOVE, ErrorTally, end_point_error
 from validation.versions import package_version
 
 if TYPE_CHECKING:

@@ -6,10 +6,10 @@ from typing import TYPE_CHECKING
 from validation.chain.step import made_by, skips
 from validation.manifest import file_digest, key_of
 from validation.material import Material
-from validation.method_scores import score_methods
 from validation.methods import Method
 from validation.run_folder import RunFolder
-from validation.score import ScoreError, Scores
+from validation.scoring.method_scores import score_methods
+from validation.scoring.score import ScoreError, Scores
 from validation.terminal import Terminal
 from validation.versions import package_versions
 

@@ -91,7 +91,7 @@ def step_document(run: Any, *steps: str) -> dict[str, Any]:
 
 def show_scores(run: Any, scores: Any, terminal: Terminal) -> None:
     """Show scores as a table, beside published ones, or as JSON."""
-    from validation.score_table import camera_lines, published_lines, region_table, score_table
+    from validation.scoring.score_table import camera_lines, published_lines, region_table, score_table
 
     terminal.show(score_table(scores))
     if (regions := region_table(scores)) is not None:

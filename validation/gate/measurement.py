@@ -10,9 +10,9 @@ from pydantic import ConfigDict, with_config
 
 from synth.text_files import checked, read_json_object
 from validation.manifest import file_digest, key_of
-from validation.score import score_pair
-from validation.strata import STRATA
-from validation.truth_pass import TruePair
+from validation.scoring.score import score_pair
+from validation.scoring.strata import STRATA
+from validation.scoring.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from validation.gate.measurement import GateError, Measurement, PairScore
-from validation.strata import STRATA
+from validation.scoring.strata import STRATA
 
 SCHEMA_VERSION = 1
 LEVEL = 0.95

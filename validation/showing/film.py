@@ -91,7 +91,7 @@ def _true_shots(footage: "Footage", sequence: "ImageSequence", units: "Units") -
     from soft.figures.film import Shot, label_of
     from soft.figures.view import reduced, smoothed, stride_of
     from validation.pair_view import true_motion
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
     stride = stride_of(sequence.shape)
     for pair in range(footage.pair_count):

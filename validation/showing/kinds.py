@@ -152,7 +152,7 @@ def _error(order: Order) -> "Figure":
 def _distribution(order: Order) -> "Figure":
     from validation.figures.distribution import distribution_figure
     from validation.published import read_published
-    from validation.score_table import is_published_rotation
+    from validation.scoring.score_table import is_published_rotation
 
     view, name = order.subject.view(order.pair), order.subject.method.name
     published = {}

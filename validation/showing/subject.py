@@ -16,7 +16,7 @@ if TYPE_CHECKING:
     from validation.material import Material
     from validation.pair_view import PairView
     from validation.run_folder import RunFolder
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
 
 @dataclass(frozen=True, eq=False)

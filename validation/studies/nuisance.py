@@ -13,7 +13,7 @@ import numpy as np
 
 from soft.flow import installed
 from synth.scene import PlateScene, Scene, SoilBinScene, load_scene, parse_scene
-from validation.metrics import ErrorSummary
+from validation.scoring.metrics import ErrorSummary
 from validation.studies.picture_errors import WRONG, Measurement, PictureStudy, pair_count, picture_errors
 from validation.studies.study import Case, Findings, Row, Run, plain_axes
 

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from validation.metrics import ErrorSummary
+from validation.scoring.metrics import ErrorSummary
 from validation.studies.study import Findings, Row, Run, Study
 
 if TYPE_CHECKING:
@@ -17,7 +17,7 @@ if TYPE_CHECKING:
     from synth.scene import Scene
 
 WRONG = "1.0"
-"""px, error above which a pixel is told to be wrong; of `validation.metrics.WRONG_ABOVE`."""
+"""px, error above which a pixel is told to be wrong; of `validation.scoring.metrics.WRONG_ABOVE`."""
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def picture_errors(
         Pairs, at most; a recording may have fewer.
     """
     from synth import Recording, render
-    from validation.method_scores import score_methods
+    from validation.scoring.method_scores import score_methods
 
     count = min(pair_count, recording.frame_count - 1)
     first = (recording.frame_count - 1 - count) // 2

@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from synth import Footage, Recording
     from synth.scene import AnyScene
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
 MOTIONS = "motions"
 """Folder below a suite's: a run folder for each simulation, shared by all suites that write there."""

@@ -6,9 +6,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from soft.figures.page import plain_axes
-from validation.error_profile import MOMENTS, RANGES, percentile, share_above
-from validation.metrics import WRONG_ABOVE
-from validation.modulation import response
+from validation.scoring.error_profile import MOMENTS, RANGES, percentile, share_above
+from validation.scoring.metrics import WRONG_ABOVE
+from validation.scoring.modulation import response
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -9,8 +9,8 @@ from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 
-from validation.error_profile import CAUSES
-from validation.modulation import resolved_period, response
+from validation.scoring.error_profile import CAUSES
+from validation.scoring.modulation import resolved_period, response
 from validation.statistics import Interval, StatisticsError
 from validation.suites.complex_flow import BIN_SCENES, SOFT
 from validation.suites.explained import Explained

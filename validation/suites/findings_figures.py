@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from soft.figures.page import plain_axes, save_figure
-from validation.error_profile import CAUSES, EXPLANATIONS
-from validation.metrics import WRONG_ABOVE
+from validation.scoring.error_profile import CAUSES, EXPLANATIONS
+from validation.scoring.metrics import WRONG_ABOVE
 from validation.statistics import Interval
 from validation.suites.complex_flow import BIN_SCENES, SOFT
 from validation.suites.explained import Explained

@@ -16,9 +16,9 @@ from typing import TYPE_CHECKING, Any, TypeVar
 import numpy as np
 
 from synth.text_files import checked, read_json_object
-from validation.error_profile import EXPLANATIONS, MOMENTS, percentile, share_above
-from validation.metrics import WRONG_ABOVE
 from validation.published import REFERENCE_FOLDER
+from validation.scoring.error_profile import EXPLANATIONS, MOMENTS, percentile, share_above
+from validation.scoring.metrics import WRONG_ABOVE
 from validation.suites.gathered import Gathered
 from validation.suites.plan import Look
 from validation.suites.table import Line, read_lines, write_lines

@@ -11,13 +11,13 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.error_profile import error_profile
-from validation.metrics import WRONG_ABOVE, ErrorSummary
-from validation.modulation import response_sums
-from validation.score import score_pair
-from validation.strata import STRATA
+from validation.scoring.error_profile import error_profile
+from validation.scoring.metrics import WRONG_ABOVE, ErrorSummary
+from validation.scoring.modulation import response_sums
+from validation.scoring.score import score_pair
+from validation.scoring.strata import STRATA
+from validation.scoring.truth_pass import TruePair
 from validation.suites.worst_place import worst_place
-from validation.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr

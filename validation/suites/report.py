@@ -7,10 +7,10 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.modulation import resolved_period, response
 from validation.page import Panel, write_page
+from validation.scoring.modulation import resolved_period, response
+from validation.scoring.strata import MEANINGS
 from validation.statistics import Interval
-from validation.strata import MEANINGS
 from validation.suites.execution import Failure
 from validation.suites.figures import draw_cost, draw_heat_map, draw_profiles, draw_response, draw_worst
 from validation.suites.gathered import Gathered

@@ -4,7 +4,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.truth_pass import TruePair
+from validation.scoring.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr

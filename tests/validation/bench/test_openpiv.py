@@ -10,7 +10,7 @@ from validation.bench.flow_case import Case
 from validation.bench.flow_measure import measured
 from validation.bench.openpiv import OpenPiv
 from validation.bench.rows import PeerError
-from validation.nodes import difference_at, truth_at
+from validation.scoring.nodes import difference_at, truth_at
 
 
 @pytest.fixture(scope="module")

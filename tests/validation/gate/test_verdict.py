@@ -7,7 +7,7 @@ import pytest
 
 from validation.gate.measurement import GateError, Measurement, PairScore
 from validation.gate.verdict import QUANTITIES, compare
-from validation.strata import STRATA
+from validation.scoring.strata import STRATA
 
 CLIPS = [f"clip-{k}" for k in range(10)]
 

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from validation.scoring.truth_pass import TruePair
 from validation.suites.worst_place import SIDE, worst_place
-from validation.truth_pass import TruePair
 
 SHAPE = (200, 240)
 

@@ -4,23 +4,23 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.averaging import AveragingTally
 from validation.page import Panel
 from validation.pair_view import true_motion
+from validation.scoring.averaging import AveragingTally
+from validation.scoring.strata import distance_to
+from validation.scoring.truth_pass import pass_over
 from validation.statistics import Interval
-from validation.strata import distance_to
 from validation.suites.paper.curves import draw_gains
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found, mean_of
 from validation.suites.paper.shown import DIMS, flow_of, mean_flow_of, picture_of, rounded
 from validation.suites.paper.verdict import JUDGED, Told, Variant, ratio
-from validation.truth_pass import pass_over
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from synth import Footage
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
 MEASURE = f"{__name__}:measure"
 RIGID, COMPLIANT = "rolling_wheel", "compliant_wheel"

@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.nodes import stacked
 from validation.pair_view import true_motion
+from validation.scoring.nodes import stacked
 
 if TYPE_CHECKING:
     import xarray as xr

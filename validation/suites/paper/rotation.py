@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.nodes import stacked
 from validation.page import Panel
+from validation.scoring.nodes import stacked
 from validation.statistics import Interval
 from validation.suites.paper.curves import draw_distributions, draw_growth
 from validation.suites.paper.experiment import Experiment

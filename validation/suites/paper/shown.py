@@ -4,8 +4,8 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.metrics import end_point_error
 from validation.pair_view import Measured, Motion, PairView, true_motion
+from validation.scoring.metrics import end_point_error
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,9 +4,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.nodes import stacked
 from validation.page import Panel
-from validation.strata import find_strata
+from validation.scoring.nodes import stacked
+from validation.scoring.strata import find_strata
 from validation.suites.paper.curves import draw_disagreements
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found, mean_of

@@ -43,7 +43,7 @@ def measure(footage: "Footage", flow: "xr.Dataset") -> "xr.Dataset":
 
 def _by_true_soil(footage: "Footage", pair: int) -> float:
     """Give the camera's motion as the median true displacement of soil tells it, px."""
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
     return TruePair(footage.truth(pair).load()).camera_by_soil("median")
 

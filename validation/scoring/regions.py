@@ -11,15 +11,15 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from validation.line_distance import distances, points_along
-from validation.shear_line import shear_line
-from validation.strata import Strata
+from validation.scoring.line_distance import distances, points_along
+from validation.scoring.shear_line import shear_line
+from validation.scoring.strata import Strata
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from soft import MovingRegion, ShearInterface
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
 _NEEDED_OF_FLOW = ("u", "v", "inertial_u", "inertial_v", "valid", "soil", "moving")
 

@@ -6,7 +6,7 @@ import xarray as xr
 from scipy.ndimage import gaussian_filter1d
 
 from synth import load_scene
-from validation.modulation import PERIODS, resolved_period, response, response_sums
+from validation.scoring.modulation import PERIODS, resolved_period, response, response_sums
 
 HEIGHT, WIDTH = 600, 1200
 

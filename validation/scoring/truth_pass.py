@@ -7,8 +7,8 @@ from typing import TYPE_CHECKING, Protocol
 
 import numpy as np
 
-from validation.regions import TrueRegions, true_interface, true_regions
-from validation.strata import Strata, find_strata
+from validation.scoring.regions import TrueRegions, true_interface, true_regions
+from validation.scoring.strata import Strata, find_strata
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -11,9 +11,9 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from validation.metrics import end_point_error
-from validation.strata import COMPLEX_WITHIN, Strata, distance_to
-from validation.truth_pass import TruePair
+from validation.scoring.metrics import end_point_error
+from validation.scoring.strata import COMPLEX_WITHIN, Strata, distance_to
+from validation.scoring.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.error_profile import (
+from validation.scoring.error_profile import (
     CAUSES,
     ERROR_EDGES,
     EXPLANATIONS,
@@ -12,8 +12,8 @@ from validation.error_profile import (
     error_profile,
     percentile,
 )
-from validation.strata import find_strata
-from validation.truth_pass import TruePair
+from validation.scoring.strata import find_strata
+from validation.scoring.truth_pass import TruePair
 
 SHAPE = (40, 60)
 

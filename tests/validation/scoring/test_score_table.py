@@ -1,8 +1,8 @@
 from rich.console import Console
 
-from validation.metrics import WRONG_ABOVE, ErrorSummary
-from validation.score import MethodScore, Scores
-from validation.score_table import score_table
+from validation.scoring.metrics import WRONG_ABOVE, ErrorSummary
+from validation.scoring.score import MethodScore, Scores
+from validation.scoring.score_table import score_table
 
 SUMMARY = ErrorSummary(
     2_694_920, 0.999, 0.0153, 0.02, 0.0581, 0.03, 0.001, 0.0, {str(bound): 0.0123 for bound in WRONG_ABOVE}

@@ -3,11 +3,11 @@
 from collections.abc import Callable, Mapping
 from typing import TYPE_CHECKING
 
-from validation.averaging import AveragingTally
-from validation.camera import CameraTally
-from validation.regions import RegionTally
-from validation.score import MethodScore, StratumTally, require_all_match
-from validation.truth_pass import Tally, pass_over
+from validation.scoring.averaging import AveragingTally
+from validation.scoring.camera import CameraTally
+from validation.scoring.regions import RegionTally
+from validation.scoring.score import MethodScore, StratumTally, require_all_match
+from validation.scoring.truth_pass import Tally, pass_over
 
 if TYPE_CHECKING:
     import xarray as xr

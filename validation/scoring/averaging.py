@@ -15,7 +15,7 @@ from soft.doubling_blocks import DoublingBlocks
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
 _NEEDED = ("inertial_u", "inertial_v", "valid", "soil")
 

@@ -9,13 +9,13 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from synth.text_files import read_json
-from validation.averaging import AveragingScore
-from validation.camera import CameraScore, camera_of
-from validation.metrics import ErrorSummary, ErrorTally
-from validation.nodes import difference_at, has_node, stacked
-from validation.regions import RegionScore
-from validation.strata import STRATA
-from validation.truth_pass import TruePair
+from validation.scoring.averaging import AveragingScore
+from validation.scoring.camera import CameraScore, camera_of
+from validation.scoring.metrics import ErrorSummary, ErrorTally
+from validation.scoring.nodes import difference_at, has_node, stacked
+from validation.scoring.regions import RegionScore
+from validation.scoring.strata import STRATA
+from validation.scoring.truth_pass import TruePair
 
 if TYPE_CHECKING:
     import xarray as xr

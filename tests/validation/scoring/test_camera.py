@@ -2,8 +2,8 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.camera import CameraScore, CameraTally
-from validation.truth_pass import TruePair
+from validation.scoring.camera import CameraScore, CameraTally
+from validation.scoring.truth_pass import TruePair
 
 
 def pairs(**values):

@@ -3,8 +3,8 @@ import json
 import numpy as np
 import pytest
 
-from validation.method_scores import score_methods
-from validation.score import MethodScore, ScoreError, Scores
+from validation.scoring.method_scores import score_methods
+from validation.scoring.score import MethodScore, ScoreError, Scores
 
 SHAPE = (20, 30)
 

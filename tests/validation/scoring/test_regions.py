@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.method_scores import score_methods
-from validation.regions import RegionScore, RegionTally
-from validation.score import Scores
-from validation.score_table import REGION_COLUMNS, region_cells
-from validation.truth_pass import TruePair
+from validation.scoring.method_scores import score_methods
+from validation.scoring.regions import RegionScore, RegionTally
+from validation.scoring.score import Scores
+from validation.scoring.score_table import REGION_COLUMNS, region_cells
+from validation.scoring.truth_pass import TruePair
 
 SHAPE = (100, 140)
 Y, X = np.mgrid[: SHAPE[0], : SHAPE[1]].astype(float)

@@ -2,16 +2,16 @@
 
 from typing import TYPE_CHECKING
 
-from validation.metrics import WRONG_ABOVE
 from validation.published import read_published
+from validation.scoring.metrics import WRONG_ABOVE
 
 if TYPE_CHECKING:
     from rich.table import Table
 
-    from validation.metrics import ErrorSummary
-    from validation.regions import RegionScore
     from validation.run_folder import RunFolder
-    from validation.score import Scores
+    from validation.scoring.metrics import ErrorSummary
+    from validation.scoring.regions import RegionScore
+    from validation.scoring.score import Scores
 
 ROTATION = "plate_rotation"
 REGION_COLUMNS = (

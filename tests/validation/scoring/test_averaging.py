@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from validation.averaging import AveragingScore, AveragingTally
+from validation.scoring.averaging import AveragingScore, AveragingTally
 
 SHAPE = (40, 50)
 PAIRS = 16

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 
-from validation.metrics import ErrorTally
-from validation.nodes import difference_at, truth_at
+from validation.scoring.metrics import ErrorTally
+from validation.scoring.nodes import difference_at, truth_at
 
 SHAPE = (30, 40)
 

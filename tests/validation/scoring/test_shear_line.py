@@ -1,6 +1,6 @@
 import numpy as np
 
-from validation.shear_line import shear_line
+from validation.scoring.shear_line import shear_line
 
 SHAPE = (160, 220)
 Y, X = np.mgrid[: SHAPE[0], : SHAPE[1]].astype(float)

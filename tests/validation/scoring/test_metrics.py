@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from validation.metrics import ErrorTally
+from validation.scoring.metrics import ErrorTally
 
 
 def summary_of(*parts):

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from validation.strata import STRATA, camera_displacement, find_strata, gradient_norm
+from validation.scoring.strata import STRATA, camera_displacement, find_strata, gradient_norm
 
 SHAPE = (40, 60)
 

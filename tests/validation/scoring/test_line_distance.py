@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from validation.line_distance import distances, points_along
+from validation.scoring.line_distance import distances, points_along
 
 
 def test_points_stand_for_equal_lengths():

@@ -14,7 +14,7 @@ from validation.statistics import NORMAL_95
 if TYPE_CHECKING:
     import xarray as xr
 
-    from validation.truth_pass import TruePair
+    from validation.scoring.truth_pass import TruePair
 
 
 @dataclass(frozen=True)
