@@ -12,7 +12,7 @@ from queue import Empty
 from typing import TYPE_CHECKING, Any
 
 from synth.disk import written_whole
-from synth.text_files import read_json
+from synth.text_files import read_json_object
 from validation.drawbar.curve import GRAINS, Curve, CurveOrder
 from validation.drawbar.interrupted import Begun, find_begun, keep_begun
 from validation.drawbar.variation import find_variation
@@ -74,13 +74,13 @@ def carry_out(
     with RunFolder.create(out):
         folder = out / CURVES
         folder.mkdir(exist_ok=True)
-        missing = [order for order in orders if overwrite or _found(folder, order) is None]
+        missing = [order for order in orders if overwrite or found_curve(folder, order) is None]
         if missing:
             _tell_begun(missing, folder, overwrite, terminal)
             count = min(processes or os.cpu_count() or 1, len(missing))
             with terminal.progress(f"drawbar, {count} processes") as progress:
                 _in_parallel(_longest_first(missing), folder, count, progress)
-        return [curve for order in orders if (curve := _found(folder, order)) is not None]
+        return [curve for order in orders if (curve := found_curve(folder, order)) is not None]
 
 
 def measure(order: CurveOrder, begun: Begun | None = None) -> Iterator[Begun]:
@@ -218,16 +218,17 @@ def _tell_begun(orders: Sequence[CurveOrder], folder: Path, overwrite: bool, ter
             terminal.say(unfit)
 
 
-def _found(folder: Path, order: CurveOrder) -> Curve | None:
-    """The curve, if it is there and was made from the same by the same."""
+def found_curve(folder: Path, order: CurveOrder) -> Curve | None:
+    """The curve, if it is there, whole, and was made from the same by the same."""
     path = folder / f"{order.name}.json"
     if not path.is_file():
         return None
-    told = read_json(path)
-    if told.pop("made_by") != made_by(order):
+    try:
+        told = read_json_object(path)
+        by, curve = told.pop("made_by"), Curve.from_dict(told)
+    except (ValueError, KeyError, TypeError, AttributeError):  # somebody has changed it
         return None
-    curve = Curve.from_dict(told)
-    return curve if curve.order == order else None
+    return curve if by == made_by(order) and curve.order == order else None
 
 
 def made_by(order: CurveOrder) -> dict[str, str]:

@@ -10,7 +10,7 @@ from synth.rover.drawbar import DrawbarPoint, LoadSteps
 from validation.cli import run_command
 from validation.drawbar.curve import Curve, CurveOrder, orders_of
 from validation.drawbar.document import drawbar_document, ratios
-from validation.drawbar.experiment import CURVES, made_by
+from validation.drawbar.experiment import CURVES, found_curve, made_by
 from validation.run_folder import RunFolder
 
 WHEELS = ("front_left_wheel", "rear_left_wheel", "front_right_wheel", "rear_right_wheel")
@@ -63,6 +63,15 @@ def test_another_vehicle_has_no_published_maximum():
     document = drawbar_document([other])
     assert document["curves"][0]["published_maximum"] is None
     assert document["ratios"] == []
+
+
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"made_by": {}}', '{"made_by": {}, "order": 3}'])
+def test_a_curve_that_somebody_changed_is_not_there(tmp_path, content):
+    whole = curve("rolling")
+    keep([whole], tmp_path)
+    assert found_curve(tmp_path / CURVES, whole.order) == whole
+    (tmp_path / CURVES / f"{whole.order.name}.json").write_text(content)
+    assert found_curve(tmp_path / CURVES, whole.order) is None
 
 
 def test_curves_survive_json():

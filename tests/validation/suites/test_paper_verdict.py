@@ -89,6 +89,14 @@ def test_tables_name_their_source():
         assert len({len(row) for row in csv.reader(rows)}) == 1, path.name
 
 
+@pytest.mark.parametrize("content", ["", "[]", "{}", '{"curves": 3}', '{"curves": [{"law": "rft"}]}'])
+def test_what_is_no_drawbar_document(tmp_path, content):
+    path = tmp_path / "drawbar.json"
+    path.write_text(content)
+    with pytest.raises(ValueError, match=r"drawbar\.json: not what softbed drawbar writes"):
+        read_maxima(path)
+
+
 def test_drawbar_pull_by_gait_and_wheel(tmp_path):
     curves = [
         {"gait": "rolling", "wheel": "rigid", "law": "rft", "maximum": 0.2},

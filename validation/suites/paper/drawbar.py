@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
-from synth.text_files import read_json
+from synth.text_files import read_json_object
 from validation.statistics import Interval
 from validation.suites.paper.experiment import Experiment
 from validation.suites.paper.found import Found
@@ -35,13 +34,21 @@ def _tell(found: Found, variant: Variant) -> list[Told]:
 
 
 def read_maxima(path: Path) -> dict[str, float]:
-    """Largest drawbar pull / weight of every gait on every wheel, where travel reduction reached 90 %."""
-    document: Mapping[str, Any] = read_json(path)
-    return {
-        f"{curve['gait']}_{curve['wheel']}": float(curve["maximum"])
-        for curve in document["curves"]
-        if curve["law"] == LAW and curve.get("maximum_reached", True)
-    }
+    """Largest drawbar pull / weight of every gait on every wheel, where travel reduction reached 90 %.
+
+    Raises
+    ------
+    ValueError
+        Not what `softbed drawbar` writes.
+    """
+    try:
+        return {
+            f"{curve['gait']}_{curve['wheel']}": float(curve["maximum"])
+            for curve in read_json_object(path)["curves"]
+            if curve["law"] == LAW and curve.get("maximum_reached", True)
+        }
+    except (ValueError, KeyError, TypeError, AttributeError) as error:
+        raise ValueError(f"{path}: not what softbed drawbar writes: {error}") from None
 
 
 def told_by(maxima: Mapping[str, float]) -> list[Told]:
