@@ -1,6 +1,7 @@
 """Figures and films from the command line, and those that need the truth."""
 
 import json
+import re
 import shutil
 
 import cv2
@@ -41,10 +42,9 @@ def map_on(axes):
 
 def test_truth_and_measurement_have_one_scale_and_unit(view):
     panels = titled(truth_figure(view, "dis"))
-    assert set(panels) == {
-        "Truth: speed", "Truth: direction", "Measured (dis): speed", "Measured (dis): direction",
-    }  # fmt: skip
-    true, measured = (map_on(panels[f"{name}: speed"]) for name in ("Truth", "Measured (dis)"))
+    sides = f"Truth, pair {view.pair}", "Measured (dis)"
+    assert set(panels) == {f"{side}: {what}" for side in sides for what in ("speed", "direction")}
+    true, measured = (map_on(panels[f"{side}: speed"]) for side in sides)
     assert true.get_clim() == measured.get_clim()
     np.testing.assert_allclose(true.get_array(), 2 * 0.5 * 8, rtol=1e-6)
     np.testing.assert_allclose(measured.get_array()[:, :45], 2.3 * 0.5 * 8, rtol=1e-6)
@@ -91,7 +91,8 @@ def test_runs_beside_each_other(softbed, finished_run, tmp_path):
     out = tmp_path / "both.svg"
     assert softbed("figure", "compare", finished_run, "--with", other, "--out", out)[0] == 0
     text = out.read_text()
-    assert f">{finished_run.name}: speed<" in text and ">other: direction<" in text
+    for name, what in ((finished_run.name, "speed"), ("other", "direction")):
+        assert re.search(rf">{name}, pair \d+: {what}<", text)
     status, _, error = softbed("figure", "compare", finished_run, "--out", out)
     assert status == 2 and "needs what to set beside: give --with PATH" in error
 

@@ -34,7 +34,7 @@ def truth_figure(view: PairView, name: str, *, colours: str = "even") -> "Figure
 
     chosen = find_colours(colours)
     sides = {
-        "Truth": as_seen(view.truth, view),
+        f"Truth, pair {view.pair}": as_seen(view.truth, view),
         f"Measured ({name})": as_seen(view.measured[name].motion, view),
     }
     top = top_of(*(side.speed for side in sides.values()))

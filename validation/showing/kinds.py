@@ -130,7 +130,7 @@ def _compare(order: Order) -> "Figure":
         raise RunFolderError("compare: needs what to set beside: give --with PATH")
     order.other.require_pair(order.pair)
     both = (order.subject, order.other)
-    runs = [(one.name, one.flow, one.picture(order.pair)) for one in both]
+    runs = [(f"{one.name}, pair {order.pair}", one.flow, one.picture(order.pair)) for one in both]
     lines = [shear_interface_of(one.flow, pair=order.pair) for one in both]
     return comparison_figure(runs, pair=order.pair, interfaces=lines, colours=order.colours)
 
