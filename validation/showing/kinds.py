@@ -1,14 +1,13 @@
-"""Every kind of figure that the command line draws."""
+"""Every kind of figure that the command line draws. Its help names them, so nothing heavy is imported."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-from validation.manifest import RunFolderError
-from validation.showing.subject import Subject
-
 if TYPE_CHECKING:
     from matplotlib.figure import Figure
+
+    from validation.showing.subject import Subject
 
 
 @dataclass(frozen=True, eq=False)
@@ -27,10 +26,10 @@ class Order:
         What is set beside it.
     """
 
-    subject: Subject
+    subject: "Subject"
     pair: int
     colours: str = "even"
-    other: Subject | None = None
+    other: "Subject | None" = None
 
 
 @dataclass(frozen=True)
@@ -63,6 +62,8 @@ def require_kind(kind: str) -> None:
     RunFolderError
         It is none of `KINDS`.
     """
+    from validation.manifest import RunFolderError
+
     if kind not in KINDS:
         raise RunFolderError(f"{kind!r}: no such kind of figure: allowed are {', '.join(KINDS)}")
 
@@ -125,6 +126,7 @@ def _gain(order: Order) -> "Figure":
 
 def _compare(order: Order) -> "Figure":
     from soft import comparison_figure, shear_interface_of
+    from validation.manifest import RunFolderError
 
     if order.other is None:
         raise RunFolderError("compare: needs what to set beside: give --with PATH")
