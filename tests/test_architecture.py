@@ -24,6 +24,7 @@ HEAVY = (
     "matplotlib",
     "mujoco",
     "numpy",
+    "pydantic",
     "scipy",
     "skimage",
     "sklearn",
