@@ -15,7 +15,7 @@ from synth.camera.render import render as photograph
 from synth.camera.stages import StageClock
 from validation.terminal import error_line
 
-FRAMES = 3
+FRAMES = 4
 STAND_IN = """
 import json, sys, time
 sys.path[:] = json.loads(sys.argv[1])
