@@ -10,9 +10,8 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
-import numpy as np
-
 from synth.camera.motion import Motion, Placement
+from synth.camera.shared_arrays import Forms, arrays_in, size_of
 
 if TYPE_CHECKING:
     from synth.camera.stages import StageClock
@@ -114,20 +113,14 @@ class _Ring:
     """
 
     def __init__(self, memory: int, slots: int, like: Placement) -> None:
-        self._count = len(like.x)
-        self._names = [name for name in _ARRAYS if getattr(like, name) is not None]
-        sizes = [self._count * np.dtype(_ARRAYS[name]).itemsize for name in self._names]
-        # All processes strew the same grains, so all make it the same size.
-        os.ftruncate(memory, max(slots * sum(sizes), 1))
-        shared = mmap.mmap(memory, max(slots * sum(sizes), 1), mmap.MAP_SHARED)
-        begins = np.cumsum([0, *sizes])
-        self._slots = [
-            {
-                name: np.frombuffer(shared, _ARRAYS[name], self._count, slot * sum(sizes) + begin)
-                for name, begin in zip(self._names, begins[:-1].tolist(), strict=True)
-            }
-            for slot in range(slots)
-        ]
+        forms: Forms = {
+            name: (dtype, like.x.shape) for name, dtype in _ARRAYS.items() if getattr(like, name) is not None
+        }
+        slot = size_of(forms)
+        size = max(slots * slot, 1)
+        os.ftruncate(memory, size)  # all processes strew the same grains, so all make it the same
+        shared = mmap.mmap(memory, size, mmap.MAP_SHARED)
+        self._slots = [arrays_in(shared, forms, number * slot) for number in range(slots)]
 
     def at(self, frame: int) -> Placement:
         """Placement that was put there for a frame."""

@@ -1,21 +1,16 @@
 """Room for frames on their way from who makes them to who writes them, in memory that both can see."""
 
-import math
 import mmap
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from synth.camera.shared_arrays import Forms, arrays_in, size_of
 from synth.truth import VARIABLES
-
-if TYPE_CHECKING:
-    from collections.abc import Iterator
 
 ROOM_COUNT = 2
 """One that is filled, and one that is written, which takes a fraction of the time."""
 _LIGHT = "light"
-_ALIGNED = 64
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,7 +34,7 @@ class Room:
 
 def bytes_needed(shape: tuple[int, int]) -> int:
     """Bytes of all rooms for pictures of a shape (H, W)."""
-    return ROOM_COUNT * _room_size(shape)
+    return ROOM_COUNT * size_of(_forms(shape))
 
 
 def memory_for(shape: tuple[int, int], file: int = -1) -> mmap.mmap:
@@ -49,25 +44,12 @@ def memory_for(shape: tuple[int, int], file: int = -1) -> mmap.mmap:
 
 def rooms_in(memory: mmap.mmap, shape: tuple[int, int]) -> list[Room]:
     """Lay the rooms for pictures of a shape (H, W) out in a memory of `bytes_needed`."""
-    size, rooms = _room_size(shape), []
+    forms, rooms = _forms(shape), []
     for number in range(ROOM_COUNT):
-        arrays, at = {}, number * size
-        for name, dtype in _arrays():
-            arrays[name] = np.frombuffer(memory, dtype, math.prod(shape), at).reshape(shape)
-            at += _array_size(dtype, shape)
+        arrays = arrays_in(memory, forms, number * size_of(forms))
         rooms.append(Room(number, arrays.pop(_LIGHT), arrays))
     return rooms
 
 
-def _arrays() -> "Iterator[tuple[str, np.dtype]]":
-    yield _LIGHT, np.dtype(np.float32)
-    for name, (dtype, _, _) in VARIABLES.items():
-        yield name, np.dtype(dtype)
-
-
-def _array_size(dtype: np.dtype, shape: tuple[int, int]) -> int:
-    return -(-math.prod(shape) * dtype.itemsize // _ALIGNED) * _ALIGNED
-
-
-def _room_size(shape: tuple[int, int]) -> int:
-    return sum(_array_size(dtype, shape) for _, dtype in _arrays())
+def _forms(shape: tuple[int, int]) -> Forms:
+    return {_LIGHT: (np.float32, shape)} | {name: (dtype, shape) for name, (dtype, _, _) in VARIABLES.items()}
