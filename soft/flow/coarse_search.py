@@ -16,8 +16,8 @@ def least_side(finest: int) -> int:
     return int(_PATCH * 2 ** (finest + 1))
 
 
-_QUICK = {"PatchStride": 4, "GradientDescentIterations": 12, "VariationalRefinementIterations": 1}
-"""Settings of a search that is half as long; fits that start from it end where those from the long one do."""
+_QUICK = {"PatchStride": 4, "GradientDescentIterations": 12, "VariationalRefinementIterations": 0}
+"""Settings of a search that takes a third of the time; most fits that start from it end where others do."""
 
 
 def search(first: np.ndarray, second: np.ndarray, *, finest: int, quick: bool = False) -> np.ndarray:
@@ -29,7 +29,7 @@ def search(first: np.ndarray, second: np.ndarray, *, finest: int, quick: bool = 
     finest : int
         Level of the pyramid on which it ends: 1 = half resolution.
     quick : bool, optional
-        Half as long.
+        In a third of the time.
     """
     import cv2
 

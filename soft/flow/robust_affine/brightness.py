@@ -61,17 +61,15 @@ class PicturePair:
         """From (H, W) float32 pictures and a bool mask, True = use."""
         return cls(grey_and_slopes(first), spline_coefficients(second), mask.astype(np.float32))
 
-    @classmethod
-    def calmed(
-        cls, first: np.ndarray, second: np.ndarray, mask: np.ndarray, motion: np.ndarray, step: int
-    ) -> "PicturePair":
-        """The same; noise is met as it is found with models (h, w, 6) of every `step`-th pixel's motion."""
+    def calmed(self, first: np.ndarray, second: np.ndarray, motion: np.ndarray, step: int) -> "PicturePair":
+        """The pair itself or, where noise matters, one made anew of the two pictures that it was made of.
+
+        Noise is met as it is found with models (h, w, 6) of every `step`-th pixel's motion.
+        """
         some = np.ascontiguousarray(motion[::_SAMPLED, ::_SAMPLED])
-        pair = cls.of(first, second, mask)
-        stretch = pair.thinned(step * _SAMPLED)._slope_noise(some)
-        if stretch < _NOISY:
-            return pair
-        pair = cls.of(_smoothed(first), _smoothed(second), mask)
+        if self.thinned(step * _SAMPLED)._slope_noise(some) < _NOISY:
+            return self
+        pair = PicturePair.of(_smoothed(first), _smoothed(second), self.usable > 0)
         stretch = pair.thinned(step * _SAMPLED)._slope_noise(some)
         return replace(pair, stretch=stretch, correlation=pair._correlation())
 

@@ -14,6 +14,7 @@ is made linear around its own present motion, and affine motions are fitted to t
 The preset `fast` is the second step alone, with fewer windows, on every second pixel's equation.
 """
 
+from concurrent.futures import ThreadPoolExecutor
 from dataclasses import asdict, dataclass, replace
 
 import numpy as np
@@ -93,8 +94,7 @@ def _solve(
     first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
 ) -> FlowField:
     options = options.resolved
-    coarse = seed(first, second, quick=options.preset == "fast")
-    pair = PicturePair.calmed(first, second, shrunk(mask, MARGIN), coarse, _THIN)
+    coarse, pair = _begun(first, second, mask, options)
     deep, inner = shrunk(mask, BLURRED), shrunk(mask, DOUBTFUL)
     thin = pair.thinned(_THIN)
     trusted = thin.only(inner[::_THIN, ::_THIN])
@@ -120,6 +120,16 @@ def _solve(
         models = chosen.models
     sigma = standard_deviation(chosen, models, options.preset, pair.stretch)
     return told.field(mask, widen_at_rim(repeated(sigma, chosen.step, pair.shape), mask))
+
+
+def _begun(
+    first: np.ndarray, second: np.ndarray, mask: np.ndarray, options: RobustAffineOptions
+) -> tuple[np.ndarray, PicturePair]:
+    """The coarse field, and the pictures made ready meanwhile: the search leaves cores idle at times."""
+    with ThreadPoolExecutor(1) as beside:
+        ready = beside.submit(PicturePair.of, first, second, shrunk(mask, MARGIN))
+        coarse = seed(first, second, quick=options.preset == "fast")
+        return coarse, ready.result().calmed(first, second, coarse, _THIN)
 
 
 @dataclass(frozen=True, eq=False)

@@ -60,36 +60,64 @@ def multiply(
 def gather(products: Channels, gathered: Channels):
     """Sums of 1/4, 1/2, 1/4 each way around every second place."""
     height, width = products.shape[0], products.shape[1]
-    for row, column, channel in ti.ndrange(gathered.shape[0], gathered.shape[1], gathered.shape[2]):
-        total = ti.cast(0, ti.f32)
-        for j, i in ti.static(ti.ndrange((-1, 2), (-1, 2))):
-            r, c = 2 * row + j, 2 * column + i
-            if r >= 0 and c >= 0 and r < height and c < width:
-                total += ti.static((2 - abs(j)) * (2 - abs(i)) / 16) * products[r, c, channel]
-        gathered[row, column, channel] = total
+    for row, column in ti.ndrange(gathered.shape[0], gathered.shape[1]):
+        whole = row > 0 and column > 0 and 2 * row + 1 < height and 2 * column + 1 < width
+        for channel in range(gathered.shape[2]):
+            total = ti.cast(0, ti.f32)
+            for j, i in ti.static(ti.ndrange((-1, 2), (-1, 2))):
+                r, c = 2 * row + j, 2 * column + i
+                if whole or (r >= 0 and c >= 0 and r < height and c < width):
+                    total += ti.static((2 - abs(j)) * (2 - abs(i)) / 16) * products[r, c, channel]
+            gathered[row, column, channel] = total
 
 
 @ti.func
-def blended(at_nodes: ti.template(), stride, row, column, step):
-    """A place's model: those of the four nodes around it, carried to it and blended.
+def corners(at_nodes: ti.template(), line, node):
+    """Models of the nodes around a cell, row by row, (4, 6). The upper left node names it.
 
-    Places are `step` px apart, nodes `stride` places.
+    Beyond the last nodes there are none: these stand for them.
     """
-    line, node = row // stride, column // stride
-    below, beside = ti.min(line + 1, at_nodes.shape[0] - 1), ti.min(node + 1, at_nodes.shape[1] - 1)
-    fx = ti.cast(column - node * stride, ti.f32) / stride
-    fy = ti.cast(row - line * stride, ti.f32) / stride
+    models = ti.Matrix.zero(ti.f32, 4, 6)
+    for j, i in ti.static(ti.ndrange(2, 2)):
+        r, n = ti.min(line + j, at_nodes.shape[0] - 1), ti.min(node + i, at_nodes.shape[1] - 1)
+        for k in ti.static(range(6)):
+            models[2 * j + i, k] = at_nodes[r, n, k]
+    return models
+
+
+@ti.func
+def blended(models, apart, stride, down, across, step):
+    """Model of a place `down` and `across` places inside a cell: its corners', carried to it and blended.
+
+    Places are `step` px apart, nodes `stride` places; `apart` tells whether the lower corners are further
+    down than the upper ones, and the right ones further right, 1 or 0 each.
+    """
+    fx, fy = ti.cast(across, ti.f32) / stride, ti.cast(down, ti.f32) / stride
     model = ti.Vector.zero(ti.f32, 6)
     for j, i in ti.static(ti.ndrange(2, 2)):
-        r, n = (below if ti.static(j == 1) else line), (beside if ti.static(i == 1) else node)
         share = (fx if ti.static(i == 1) else 1 - fx) * (fy if ti.static(j == 1) else 1 - fy)
-        x, y = ti.cast((column - n * stride) * step, ti.f32), ti.cast((row - r * stride) * step, ti.f32)
+        x = ti.cast((across - i * apart[1] * stride) * step, ti.f32)
+        y = ti.cast((down - j * apart[0] * stride) * step, ti.f32)
         for k in ti.static((0, 3)):
-            ux, uy = at_nodes[r, n, k + 1], at_nodes[r, n, k + 2]
-            model[k] += share * (at_nodes[r, n, k] + ux * x + uy * y)
+            ux, uy = models[2 * j + i, k + 1], models[2 * j + i, k + 2]
+            model[k] += share * (models[2 * j + i, k] + ux * x + uy * y)
             model[k + 1] += share * ux
             model[k + 2] += share * uy
     return model
+
+
+@ti.func
+def apart(at_nodes: ti.template(), line, node):
+    """See `blended`."""
+    below, beside = ti.min(line + 1, at_nodes.shape[0] - 1), ti.min(node + 1, at_nodes.shape[1] - 1)
+    return ti.Vector([below - line, beside - node])
+
+
+@ti.func
+def rows_and_columns(line, node, stride, height, width):
+    """First and one after the last row, first and one after the last column, of a cell's places."""
+    row, column = line * stride, node * stride
+    return ti.Vector([row, ti.min(row + stride, height), column, ti.min(column + stride, width)])
 
 
 @ti.kernel
@@ -97,11 +125,15 @@ def subtract(
     squares: Channels, targets: Channels, at_nodes: Channels, stride: ti.i32, step: ti.i32, rest: Channels
 ):
     """`targets` of what is left to explain once places have moved by the models told at nodes."""
-    for row, column in ti.ndrange(squares.shape[0], squares.shape[1]):
-        model = blended(at_nodes, stride, row, column, step)
-        xx, xy, yy = squares[row, column, 0], squares[row, column, 1], squares[row, column, 2]
-        rest[row, column, 0] = targets[row, column, 0] - xx * model[0] - xy * model[3]
-        rest[row, column, 1] = targets[row, column, 1] - xy * model[0] - yy * model[3]
+    for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
+        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
+        part = rows_and_columns(line, node, stride, squares.shape[0], squares.shape[1])
+        for row in range(part[0], part[1]):
+            for column in range(part[2], part[3]):
+                model = blended(models_around, further, stride, row - part[0], column - part[2], step)
+                xx, xy, yy = squares[row, column, 0], squares[row, column, 1], squares[row, column, 2]
+                rest[row, column, 0] = targets[row, column, 0] - xx * model[0] - xy * model[3]
+                rest[row, column, 1] = targets[row, column, 1] - xy * model[0] - yy * model[3]
 
 
 @ti.kernel
@@ -192,19 +224,24 @@ def normal_matrix(sums):
 
 @ti.func
 def solved(matrix, right):
-    """Solution of six equations, the matrix symmetric and positive."""
+    """Solution of six equations, the matrix symmetric and positive; its upper half is not read.
+
+    Factors L D L^T (Golub and Van Loan, Matrix Computations, 4.1.2): L takes the lower half's place.
+    """
     x = right
     for k in ti.static(range(6)):
         pivot = 1 / matrix[k, k]
         for i in ti.static(range(k + 1, 6)):
             factor = matrix[i, k] * pivot
-            for j in ti.static(range(k, 6)):
-                matrix[i, j] -= factor * matrix[k, j]
+            for j in ti.static(range(i, 6)):
+                matrix[j, i] -= factor * matrix[j, k]
             x[i] -= factor * x[k]
-    for k in ti.static((5, 4, 3, 2, 1, 0)):
+        x[k] *= pivot
+        for i in ti.static(range(k + 1, 6)):
+            matrix[i, k] *= pivot
+    for k in ti.static((4, 3, 2, 1, 0)):
         for j in ti.static(range(k + 1, 6)):
-            x[k] -= matrix[k, j] * x[j]
-        x[k] /= matrix[k, k]
+            x[k] -= matrix[j, k] * x[j]
     return x
 
 
@@ -257,31 +294,43 @@ def tell(models: Channels, displacement: Channels, gradient: Channels):
 @ti.kernel
 def tell_spread(at_nodes: Channels, stride: ti.i32, displacement: Channels, gradient: Channels):
     """The same, from models told at nodes `stride` px apart."""
-    for row, column in ti.ndrange(displacement.shape[0], displacement.shape[1]):
-        model = blended(at_nodes, stride, row, column, 1)
-        for i in ti.static(range(2)):
-            displacement[row, column, i] = model[3 * i]
-            for j in ti.static(range(2)):
-                gradient[row, column, 2 * i + j] = model[3 * i + 1 + j]
+    for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
+        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
+        part = rows_and_columns(line, node, stride, displacement.shape[0], displacement.shape[1])
+        for row in range(part[0], part[1]):
+            for column in range(part[2], part[3]):
+                model = blended(models_around, further, stride, row - part[0], column - part[2], 1)
+                for i in ti.static(range(2)):
+                    displacement[row, column, i] = model[3 * i]
+                    for j in ti.static(range(2)):
+                        gradient[row, column, 2 * i + j] = model[3 * i + 1 + j]
 
 
 @ti.kernel
 def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
     """Every place's model from those told at nodes."""
-    for row, column in ti.ndrange(models.shape[0], models.shape[1]):
-        model = blended(at_nodes, stride, row, column, step)
-        for k in ti.static(range(6)):
-            models[row, column, k] = model[k]
+    for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
+        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
+        part = rows_and_columns(line, node, stride, models.shape[0], models.shape[1])
+        for row in range(part[0], part[1]):
+            for column in range(part[2], part[3]):
+                model = blended(models_around, further, stride, row - part[0], column - part[2], step)
+                for k in ti.static(range(6)):
+                    models[row, column, k] = model[k]
 
 
 @ti.kernel
 def add_spread(at_nodes: Channels, stride: ti.i32, where: Flags, models: Channels):
     """Add every pixel's model from those told at nodes, where that is wanted."""
-    for row, column in ti.ndrange(models.shape[0], models.shape[1]):
-        if where[row, column] > 0:
-            model = blended(at_nodes, stride, row, column, 1)
-            for k in ti.static(range(6)):
-                models[row, column, k] += model[k]
+    for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
+        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
+        part = rows_and_columns(line, node, stride, models.shape[0], models.shape[1])
+        for row in range(part[0], part[1]):
+            for column in range(part[2], part[3]):
+                if where[row, column] > 0:
+                    model = blended(models_around, further, stride, row - part[0], column - part[2], 1)
+                    for k in ti.static(range(6)):
+                        models[row, column, k] += model[k]
 
 
 @ti.kernel
@@ -308,28 +357,34 @@ def take_agreeing(
     whether they are bearable at all are told at nodes.
     """
     lines, nodes = variance.shape[0], variance.shape[1]
-    for row, column in ti.ndrange(levels.shape[0], levels.shape[1]):
-        model = blended(at_nodes, stride, row, column, step)
-        for k in ti.static(range(2)):
-            motions[row, column, k] = model[3 * k]
-        if levels[row, column] == level - 1:
-            line = ti.min((row + stride // 2) // stride, lines - 1)
-            node = ti.min((column + stride // 2) // stride, nodes - 1)
-            met = ti.cast(bearable[line, node], ti.i32)
-            for k in ti.static(range(2)):
-                half = confidence * ti.sqrt(variance[line, node, k])
-                low = ti.max(intervals[row, column, 2 * k], model[3 * k] - half)
-                high = ti.min(intervals[row, column, 2 * k + 1], model[3 * k] + half)
-                intervals[row, column, 2 * k], intervals[row, column, 2 * k + 1] = low, high
-                if low > high:
-                    met = 0
-            if met == 1:
-                levels[row, column] = level
+    for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
+        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
+        part = rows_and_columns(line, node, stride, levels.shape[0], levels.shape[1])
+        for row in range(part[0], part[1]):
+            for column in range(part[2], part[3]):
+                model = blended(models_around, further, stride, row - part[0], column - part[2], step)
                 for k in ti.static(range(2)):
-                    if level > 0:
-                        apart = model[3 * k] - best[row, column, 3 * k]
-                        by_noise = ti.max(0, best_variance[row, column, k] - variance[line, node, k])
-                        excess[row, column, k] = apart * apart - by_noise / 2
-                    best_variance[row, column, k] = variance[line, node, k]
-                for k in ti.static(range(6)):
-                    best[row, column, k] = model[k]
+                    motions[row, column, k] = model[3 * k]
+                if levels[row, column] == level - 1:
+                    nearest_line = ti.min((row + stride // 2) // stride, lines - 1)
+                    nearest_node = ti.min((column + stride // 2) // stride, nodes - 1)
+                    met = ti.cast(bearable[nearest_line, nearest_node], ti.i32)
+                    for k in ti.static(range(2)):
+                        half = confidence * ti.sqrt(variance[nearest_line, nearest_node, k])
+                        low = ti.max(intervals[row, column, 2 * k], model[3 * k] - half)
+                        high = ti.min(intervals[row, column, 2 * k + 1], model[3 * k] + half)
+                        intervals[row, column, 2 * k], intervals[row, column, 2 * k + 1] = low, high
+                        if low > high:
+                            met = 0
+                    if met == 1:
+                        levels[row, column] = level
+                        for k in ti.static(range(2)):
+                            if level > 0:
+                                other = model[3 * k] - best[row, column, 3 * k]
+                                by_noise = ti.max(
+                                    0, best_variance[row, column, k] - variance[nearest_line, nearest_node, k]
+                                )
+                                excess[row, column, k] = other * other - by_noise / 2
+                            best_variance[row, column, k] = variance[nearest_line, nearest_node, k]
+                        for k in ti.static(range(6)):
+                            best[row, column, k] = model[k]

@@ -180,10 +180,13 @@ class Fit:
 
 def repeated(values: np.ndarray, step: int, shape: tuple[int, int]) -> np.ndarray:
     """Values of every `step`-th pixel each way for all of a picture of that shape: the upper left one's."""
-    height, width, *channels = values.shape
-    squares = np.empty((height, step, width, step, *channels), values.dtype)
-    squares[...] = values[:, None, :, None]
-    return squares.reshape(height * step, width * step, *channels)[: shape[0], : shape[1]]
+    import cv2
+
+    height, width = values.shape[:2]
+    size = (width * step, height * step)
+    bytes_of = values.view(np.uint8) if values.dtype == bool else values
+    large = cv2.resize(bytes_of, size, interpolation=cv2.INTER_NEAREST)[: shape[0], : shape[1]]
+    return large.view(values.dtype)
 
 
 def spread(at_nodes: np.ndarray, stride: int, shape: tuple[int, int], step: int = 1) -> np.ndarray:

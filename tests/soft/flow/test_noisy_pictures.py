@@ -39,7 +39,7 @@ def at_rest():
 def made_ready(first, second):
     from soft.flow.robust_affine.brightness import PicturePair
 
-    return PicturePair.calmed(first, second, np.ones(SHAPE, bool), at_rest(), 2)
+    return PicturePair.of(first, second, np.ones(SHAPE, bool)).calmed(first, second, at_rest(), 2)
 
 
 def test_noise_is_met_only_where_there_is_much():
