@@ -3,7 +3,8 @@
 
 taichi cuts a parallel loop into as many pieces as there are threads, of no fewer than 512 turns, however long
 each takes: a loop over a picture's rows would run on one or two threads. So such loops make `SHARES` turns of
-every item and do it in the first of them; the others cost next to nothing.
+every item and do it in the first of them; the others cost next to nothing, but not nothing: one thread alone
+makes one turn of each.
 
 Nor do the pieces take equally long: half of a picture may be sky. Where that matters, items are `dealt`.
 """
@@ -12,7 +13,7 @@ import taichi as ti
 
 from synth.devices import thread_count
 
-SHARES = 512
+SHARES = 512 if thread_count() > 1 else 1
 """Turns of a parallel loop that one item of work is made of."""
 ROWS, TILES = 32, 4
 """Rows of pixels, or tiles, dealt together: they mostly need the same grains."""
