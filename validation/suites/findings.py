@@ -1,14 +1,13 @@
 """What the suite `complex` found, from its kept tables: Markdown tables of the README and the docs.
 
-Docs hold a table between `<!-- findings: NAME -->` and `<!-- end -->`; it is replaced by what the kept tables
-say, so that no number in the docs was typed by hand.
+Docs hold a table between `<!-- findings: NAME -->` and `<!-- end -->` (`validation.markdown_tables`).
 """
 
-import re
 from collections.abc import Callable, Iterable, Sequence
 from functools import partial
 from pathlib import Path
 
+from validation.markdown_tables import markdown_table, update_tables, with_tables
 from validation.scoring.error_profile import CAUSES
 from validation.scoring.modulation import resolved_period, response
 from validation.statistics import Interval, StatisticsError
@@ -24,7 +23,6 @@ from validation.suites.leaderboard import (
     standings,
     usual,
 )
-from validation.suites.markdown_table import markdown_table
 from validation.suites.paper.verdict_table import KEPT as KEPT_VERDICTS
 from validation.suites.paper.verdict_table import verdict_table
 from validation.suites.severities import CLEAN, PAPER
@@ -38,7 +36,7 @@ _DISTINCT = 4
 
 
 class FindingsError(ValueError):
-    """Tables or documents that nothing can be told of; the message is one line."""
+    """Tables that nothing can be told of; the message is one line."""
 
 
 def leaderboard(kept: Kept) -> str:
@@ -183,7 +181,6 @@ TABLES: dict[str, Callable[[Kept], str]] = {
     **{name: partial(_verdicts, path=path) for name, path in KEPT_VERDICTS.items()},
 }
 _BOTH = (SOFT, INSTEAD)
-_PLACE = re.compile(r"(<!-- findings: (?P<name>[a-z-]+) -->\n).*?(<!-- end -->)", re.DOTALL)
 
 
 def with_findings(text: str, kept: Kept) -> str:
@@ -191,23 +188,19 @@ def with_findings(text: str, kept: Kept) -> str:
 
     Raises
     ------
-    FindingsError
+    UnknownTableError
         It names a table that does not exist.
     """
-
-    def replaced(match: re.Match[str]) -> str:
-        name = match["name"]
-        if name not in TABLES:
-            raise FindingsError(f"findings: {name!r}: allowed are {', '.join(TABLES)}")
-        return f"{match[1]}\n{TABLES[name](kept)}\n\n{match[3]}"
-
-    return _PLACE.sub(replaced, text)
+    return with_tables(text, "findings", _tables(kept))
 
 
 def update_document(path: Path, kept: Kept) -> None:
     """Bring the tables of a Markdown file up to date; everything else in it stays."""
-    text = path.read_text(encoding="utf-8")
-    path.write_text(with_findings(text, kept), encoding="utf-8")
+    update_tables(path, "findings", _tables(kept))
+
+
+def _tables(kept: Kept) -> dict[str, Callable[[], str]]:
+    return {name: partial(table, kept) for name, table in TABLES.items()}
 
 
 def _of_both(*quantities: str) -> list[str]:

@@ -10,9 +10,10 @@ import numpy as np
 import pytest
 
 from validation.cli import run_command
+from validation.markdown_tables import UnknownTableError
 from validation.suites import complex_flow, findings_figures
 from validation.suites.execution import carry_out
-from validation.suites.findings import TABLES, FindingsError, leaderboard, with_findings
+from validation.suites.findings import TABLES, leaderboard, with_findings
 from validation.suites.findings_figures import write_figures
 from validation.suites.gathered import gather
 from validation.suites.kept import SHIPPED, KeptError, read_kept, write_kept
@@ -145,7 +146,7 @@ def test_differences_rest_on_pictures_that_both_saw():
 
 
 def test_unknown_table():
-    with pytest.raises(FindingsError, match="'best': allowed are leaderboard"):
+    with pytest.raises(UnknownTableError, match="findings: 'best': allowed are leaderboard"):
         with_findings("<!-- findings: best -->\n<!-- end -->", None)
 
 

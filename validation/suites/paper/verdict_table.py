@@ -5,9 +5,9 @@ from pathlib import Path
 
 import numpy as np
 
+from validation.markdown_tables import markdown_table
 from validation.published import REFERENCE_FOLDER, Published
 from validation.statistics import Interval
-from validation.suites.markdown_table import markdown_table
 from validation.suites.paper.conclusion import Conclusion
 from validation.suites.paper.verdict import (
     DIFFERS,
