@@ -5,7 +5,7 @@
 # make gate          whether robust-affine got worse than its baseline, on ten small clips
 # make lint          style and types
 # make docs          the pages of docs/ as a site, in build/docs; a warning is an error
-# make figures       pictures of README and docs from kept tables; with LASTS=minutes or hours, the others, too
+# make figures       pictures and tables of README and docs from kept files; with LASTS=minutes or hours, the others, too
 # make coverage      the fast tests, and which lines they do not reach
 # make wheel-check   a wheel, installed elsewhere, does the main job and the gate
 # make clean         remove what these made

@@ -9,6 +9,7 @@ import shlex
 import shutil
 import subprocess
 import sys
+import tempfile
 import tomllib
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -27,9 +28,9 @@ _JPEG_SIDE = 1000
 class Entry:
     """Files that some commands make together; the meaning of each is told in `figures.toml`."""
 
-    files: tuple[Path, ...]
     commands: tuple[str, ...]
     lasts: str
+    files: tuple[Path, ...] = ()
     made: tuple[Path, ...] = ()
     tables: tuple[str, ...] = ()
     needs: str = ""
@@ -59,13 +60,27 @@ def _listed() -> dict[str, list[dict]]:
     return tomllib.loads((ROOT / "docs/make/figures.toml").read_text(encoding="utf-8"))
 
 
-def _entry(*, files: list[str], commands: list[str], lasts: str, **others: object) -> Entry:
-    made = tuple(Path(one.format(out=OUT)) for one in others.pop("made", ()))  # type: ignore[attr-defined]
-    tables = tuple(others.pop("tables", ()))  # type: ignore[call-overload]
-    told = tuple(command.format(out=OUT) for command in commands)
+def _entry(
+    *,
+    commands: Sequence[str],
+    lasts: str,
+    files: Sequence[str] = (),
+    made: Sequence[str] = (),
+    tables: Sequence[str] = (),
+    needs: str = "",
+) -> Entry:
     if lasts not in LASTS or (made and len(made) != len(files)):
-        raise SystemExit(f"figures.toml: {files[0]}: lasts {lasts!r}, {len(made)} made of {len(files)} files")
-    return Entry(tuple(map(Path, files)), told, lasts, made, tables, **others)  # type: ignore[arg-type]
+        raise SystemExit(
+            f"figures.toml: {commands[0]}: lasts {lasts!r}, {len(made)} made of {len(files)} files"
+        )
+    return Entry(
+        commands=tuple(command.format(out=OUT) for command in commands),
+        lasts=lasts,
+        files=tuple(map(Path, files)),
+        made=tuple(Path(one.format(out=OUT)) for one in made),
+        tables=tuple(tables),
+        needs=needs,
+    )
 
 
 def _typed(*, headings: list[str], commands: Sequence[str] = (), **others: str) -> Typed:
@@ -74,14 +89,31 @@ def _typed(*, headings: list[str], commands: Sequence[str] = (), **others: str) 
 
 def remake(entry: Entry) -> None:
     """Carry out the commands, and put what they leave in its place."""
-    beside = Path(sys.executable).parent
-    environment = os.environ | {"PATH": f"{beside}{os.pathsep}{os.environ['PATH']}"}
     for command in entry.commands:
         print(command, flush=True)
-        words = [os.path.expandvars(word) for word in shlex.split(command)]
-        subprocess.run(words, cwd=ROOT, env=environment, check=True, stdout=subprocess.DEVNULL)
+        carry_out(command)
     for file, made in zip(entry.files, entry.made, strict=False):
         keep(ROOT / made, ROOT / file)
+
+
+def carry_out(command: str) -> None:
+    """Run a command from the root; what it prints goes to the file after `>`, and is left out without one."""
+    beside = Path(sys.executable).parent
+    environment = os.environ | {"PATH": f"{beside}{os.pathsep}{os.environ['PATH']}"}
+    words, printed = parted(command)
+    with tempfile.TemporaryFile() as output:
+        subprocess.run(
+            [os.path.expandvars(word) for word in words], cwd=ROOT, env=environment, check=True, stdout=output
+        )
+        if printed:  # a command that fails leaves what was kept before
+            output.seek(0)
+            (ROOT / printed).write_bytes(output.read())
+
+
+def parted(command: str) -> tuple[list[str], str]:
+    """Words of a command, and the file after `>`."""
+    words = shlex.split(command)
+    return (words[:-2], words[-1]) if ">" in words[-2:-1] else (words, "")
 
 
 def keep(made: Path, file: Path) -> None:
@@ -113,14 +145,15 @@ def tell_typed(typed: list[Typed]) -> None:
 
 
 def main(most: str = "seconds") -> None:
-    """Remake what lasts as long as `most` at most, and list the rest."""
+    """Remake what lasts as long as `most` at most, the longest first, and list the rest."""
     if most not in LASTS:
         raise SystemExit(f"LASTS={most}: allowed are {', '.join(LASTS)}")
     entries = read_entries()
     wanted = LASTS[: LASTS.index(most) + 1]
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
-    for entry in (one for one in entries if one.lasts in wanted and not one.needs):
-        remake(entry)
+    for lasts in reversed(wanted):  # tables are made from what lasts longer
+        for entry in (one for one in entries if one.lasts == lasts and not one.needs):
+            remake(entry)
     for entry in (one for one in entries if one.lasts not in wanted or one.needs):
         print(f"\nnot remade, as it takes {entry.lasts}{f', and {entry.needs}' if entry.needs else ''}:")
         print("\n".join(f"  {file}, as of {made_on(file)}" for file in entry.files))

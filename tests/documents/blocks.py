@@ -17,6 +17,8 @@ from markdown_it.token import Token
 ROOT = Path(__file__).parents[2]
 _PLACES = (*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "scenes").rglob("*.md"))
 PAGES = sorted(path.relative_to(ROOT).as_posix() for path in _PLACES)
+WRITTEN = re.compile(r"<!-- (findings|measured): (.+?) -->")
+"""Stands before a table that a command writes: of which kind, and which."""
 _MARK = re.compile(r"<!-- (parsed only|exit status|needs): (.+?) -->", re.DOTALL)
 _FILE = re.compile(r"# (\w+\.(?:py|toml))\b")
 _SEPARATORS = ("&&", ";", "|")
@@ -99,7 +101,7 @@ def tables_of(page: str) -> Iterator[Table]:
         if token.type == "heading_open":
             heading = tokens[k + 1].content
         elif token.type == "html_block":
-            written = "<!-- findings:" in token.content or (written and "<!-- end" not in token.content)
+            written = bool(WRITTEN.search(token.content)) or (written and "<!-- end" not in token.content)
         elif token.type == "table_open":
             yield Table(heading, _cells(tokens[k:]), written)
 

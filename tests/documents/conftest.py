@@ -1,6 +1,8 @@
 """What the pages take for given, so small that it is made in seconds."""
 
+import importlib
 import shutil
+import sys
 import tomllib
 
 import cv2
@@ -10,6 +12,7 @@ import tomli_w
 from PIL import Image
 
 from synth.scene_files import scenes_folder
+from tests.documents.blocks import ROOT
 from validation.cli import run_command
 
 WHEEL = {
@@ -35,6 +38,30 @@ frame_count = 6
 width = 128
 height = 96
 """
+
+
+@pytest.fixture(scope="module")
+def docs_make():
+    """Import a program of docs/make by its name; afterwards, none is left of them."""
+    folder, before = str(ROOT / "docs" / "make"), set(sys.modules)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.syspath_prepend(folder)
+        yield importlib.import_module
+    for name in set(sys.modules) - before:
+        if (getattr(sys.modules[name], "__file__", None) or "").startswith(folder):
+            del sys.modules[name]
+
+
+@pytest.fixture(scope="module")
+def maker(docs_make):
+    """The program that `make figures` runs."""
+    return docs_make("figures")
+
+
+@pytest.fixture(scope="module")
+def entries(maker):
+    """What it makes."""
+    return maker.read_entries()
 
 
 @pytest.fixture(scope="session")

@@ -1,9 +1,7 @@
 """Every picture of README and docs has a command that makes it; what is cheap to make is not stale."""
 
-import importlib.util
 import re
 import shlex
-import sys
 from pathlib import Path
 
 import numpy as np
@@ -13,25 +11,10 @@ from PIL import Image
 import soft
 import synth
 import synth.dataset
-from tests.documents.blocks import PAGES, ROOT, tables_of
+from tests.documents.blocks import PAGES, ROOT, WRITTEN, tables_of
 from tests.documents.command_line import parse
 
 PICTURES = (".png", ".jpg")
-
-
-@pytest.fixture(scope="module")
-def maker():
-    """The program that `make figures` runs."""
-    spec = importlib.util.spec_from_file_location("figures", ROOT / "docs/make/figures.py")
-    sys.modules[spec.name] = module = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    yield module
-    del sys.modules[spec.name]
-
-
-@pytest.fixture(scope="module")
-def entries(maker):
-    return maker.read_entries()
 
 
 def shown() -> set[Path]:
@@ -59,9 +42,9 @@ def test_pictures_are_small(entries):
     assert not large
 
 
-def test_commands_are_such(entries):
+def test_commands_are_such(maker, entries):
     for entry in entries:
-        for program, *words in map(shlex.split, entry.commands):
+        for (program, *words), _ in map(maker.parted, entry.commands):
             if program == "softbed":
                 parse(words)
             else:
@@ -69,8 +52,10 @@ def test_commands_are_such(entries):
 
 
 def test_tables_that_a_command_writes_are_all_listed(entries):
-    written = {page for page in PAGES if "<!-- findings:" in read(page)}
+    written = {page for page in PAGES if WRITTEN.search(read(page))}
     assert {table for entry in entries for table in entry.tables} == written
+    for entry in entries:
+        assert all(page in command for page in entry.tables for command in entry.commands)
 
 
 # Under these headings numbers are defined, assumed or published, not measured.
@@ -113,7 +98,7 @@ def test_what_is_cheap_to_make_is_as_it_is_made(maker, entries, name, tmp_path, 
     kept, new = ROOT / entry.files[0], tmp_path / "new.png"
     command = entry.commands[0].replace(str(entry.files[0]), str(new))
     monkeypatch.setenv("PYTHONPATH", str(ROOT))
-    maker.remake(maker.Entry((new,), (command,), entry.lasts))
+    maker.remake(maker.Entry((command,), entry.lasts, files=(new,)))
     pixels = [np.asarray(Image.open(path).convert("RGB"), float) for path in (kept, new)]
     assert pixels[0].shape == pixels[1].shape
     assert np.abs(pixels[0] - pixels[1]).mean() < 0.1  # grey levels
