@@ -24,6 +24,8 @@ class Comparison:
         Of the relative error, fixed before measuring.
     source : str
         Where the reference comes from.
+    low, high : float or None
+        Bounds that the measurement has to keep within; None where the reference is a value of its own.
     """
 
     quantity: str
@@ -32,6 +34,8 @@ class Comparison:
     relative_error: float
     limit: float
     source: str
+    low: float | None = None
+    high: float | None = None
 
     @property
     def passed(self) -> bool:
@@ -73,4 +77,5 @@ def compare_with_bounds(
     """Compare a measurement with bounds: their middle is the reference, half their distance the limit."""
     middle = (low + high) / 2
     limit = (high - low) / 2 / middle
-    return compare(quantity, reference=middle, measured=measured, limit=limit, source=source)
+    one = compare(quantity, reference=middle, measured=measured, limit=limit, source=source)
+    return replace(one, low=float(low), high=float(high))

@@ -12,7 +12,8 @@ from validation.verification import collisions, sliding_and_rolling, suite
 from validation.verification.column_collapse import heap
 from validation.verification.comparison import compare, compare_with_bounds
 
-ROW = {"case", "quantity", "reference", "measured", "relative_error", "limit", "passed", "source"}
+ROW = {"case", "quantity", "reference", "measured", "relative_error", "limit", "low", "high"}
+ROW |= {"passed", "source"}
 
 
 @pytest.fixture(autouse=True)
@@ -43,6 +44,7 @@ def test_not_a_number_keeps_no_limit():
 def test_bounds(measured, passed):
     row = compare_with_bounds("angle, degrees", low=10.0, high=20.0, measured=measured, source="")
     assert row.passed is passed
+    assert (row.low, row.high) == (10.0, 20.0)
 
 
 @pytest.mark.parametrize(
