@@ -5,7 +5,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.documents.blocks import PAGES, ROOT, WRITTEN
+from tests.documents.blocks import PAGES, ROOT, WRITTEN, blocks_of
 from validation.markdown_tables import UnknownTableError, with_tables
 
 MEASURED = Path("docs/measured")
@@ -70,3 +70,9 @@ def test_another_number_in_a_file_is_another_one_on_the_page(writer, monkeypatch
 def test_a_table_that_there_is_not(writer):
     with pytest.raises(UnknownTableError, match="measured: 'speed': allowed are nuisance, "):
         with_tables("<!-- measured: speed -->\n<!-- end -->", writer.KIND, writer.TABLES)
+
+
+def test_the_method_that_the_tutorial_scores_is_the_page_s(docs_make):
+    method = docs_make("tutorial_scores").method_of_the_page()
+    assert method in [block.text for block in blocks_of("docs/tutorials/score_my_method.md")]
+    assert "def flow(first, second, mask):" in method
