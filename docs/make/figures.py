@@ -33,7 +33,12 @@ class Entry:
     files: tuple[Path, ...] = ()
     made: tuple[Path, ...] = ()
     tables: tuple[str, ...] = ()
-    needs: str = ""
+    needs: tuple[str, ...] = ()
+
+    @property
+    def missing(self) -> list[str]:
+        """What it needs and is not there."""
+        return [one for one in self.needs if not (ROOT / os.path.expandvars(one)).exists()]
 
 
 @dataclass(frozen=True)
@@ -67,7 +72,7 @@ def _entry(
     files: Sequence[str] = (),
     made: Sequence[str] = (),
     tables: Sequence[str] = (),
-    needs: str = "",
+    needs: Sequence[str] = (),
 ) -> Entry:
     if lasts not in LASTS or (made and len(made) != len(files)):
         raise SystemExit(
@@ -79,7 +84,7 @@ def _entry(
         files=tuple(map(Path, files)),
         made=tuple(Path(one.format(out=OUT)) for one in made),
         tables=tuple(tables),
-        needs=needs,
+        needs=tuple(needs),
     )
 
 
@@ -136,6 +141,16 @@ def made_on(file: Path) -> str:
         return "an unknown day"
 
 
+def tell_left(entry: Entry) -> None:
+    """Say why something was not remade, how old it is, and what makes it."""
+    lacks = f", and needs {', '.join(entry.missing)}" if entry.missing else ""
+    print(f"\nnot remade, as it takes {entry.lasts}{lacks}:")
+    for line in (*(f"{file}, as of {made_on(file)}" for file in entry.files), *entry.tables):
+        print(f"  {line}")
+    for command in entry.commands:
+        print(f"    {command}")
+
+
 def tell_typed(typed: list[Typed]) -> None:
     """List what no run of this program remakes."""
     print("\nnot remade, as it was typed from what was measured:")
@@ -152,12 +167,10 @@ def main(most: str = "seconds") -> None:
     wanted = LASTS[: LASTS.index(most) + 1]
     (ROOT / OUT).mkdir(parents=True, exist_ok=True)
     for lasts in reversed(wanted):  # tables are made from what lasts longer
-        for entry in (one for one in entries if one.lasts == lasts and not one.needs):
+        for entry in (one for one in entries if one.lasts == lasts and not one.missing):
             remake(entry)
-    for entry in (one for one in entries if one.lasts not in wanted or one.needs):
-        print(f"\nnot remade, as it takes {entry.lasts}{f', and {entry.needs}' if entry.needs else ''}:")
-        print("\n".join(f"  {file}, as of {made_on(file)}" for file in entry.files))
-        print("\n".join(f"    {command}" for command in entry.commands))
+    for entry in (one for one in entries if one.lasts not in wanted or one.missing):
+        tell_left(entry)
     tell_typed(read_typed())
 
 

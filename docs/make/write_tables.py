@@ -7,12 +7,12 @@ each NAME.
 import sys
 from pathlib import Path
 
-from page_tables import pictures, score_my_method, wheel_law
+from page_tables import pictures, score_my_method, simulator, wheel_law
 
 from validation.markdown_tables import update_tables
 
 KIND = "measured"
-TABLES = {**pictures.TABLES, **score_my_method.TABLES, **wheel_law.TABLES}
+TABLES = {**pictures.TABLES, **score_my_method.TABLES, **simulator.TABLES, **wheel_law.TABLES}
 
 if __name__ == "__main__":
     for page in map(Path, sys.argv[1:]):

@@ -2,6 +2,7 @@
 
 import re
 import shlex
+import subprocess
 from pathlib import Path
 
 import numpy as np
@@ -84,6 +85,28 @@ def test_pages_name_the_commands_that_their_tables_were_typed_from(maker):
             parse(words)
             named = re.match(r"softbed (?:(?:bench|study|suite|verify|calibrate) [\w-]+|[\w-]+)", command)[0]
             assert named in read(one.page), (one.page, named)
+
+
+def test_what_a_command_prints_is_kept_where_it_succeeds(maker, tmp_path):
+    kept = tmp_path / "kept.txt"
+    maker.carry_out(f"python -c 'print(6 * 7)' > {kept}")
+    with pytest.raises(subprocess.CalledProcessError):
+        maker.carry_out(f"python -c 'print(1); 1 / 0' > {kept}")
+    assert kept.read_text() == "42\n"
+
+
+def test_what_lasts_longest_is_made_first_and_what_lacks_files_is_told(maker, monkeypatch, capsys):
+    monkeypatch.setenv("ELSEWHERE", "/nowhere")
+    lasting = [maker.Entry((f"softbed {one}",), one) for one in maker.LASTS]
+    lacking = maker.Entry(("softbed rig",), "minutes", needs=("Makefile", "$ELSEWHERE/rig.mat"))
+    made = []
+    monkeypatch.setattr(maker, "read_entries", lambda: [*lasting, lacking])
+    monkeypatch.setattr(maker, "remake", made.append)
+    maker.main("minutes")
+    assert [entry.lasts for entry in made] == ["minutes", "seconds"]
+    told = capsys.readouterr().out
+    assert "not remade, as it takes minutes, and needs $ELSEWHERE/rig.mat:\n    softbed rig\n" in told
+    assert "not remade, as it takes hours:\n    softbed hours\n" in told
 
 
 def test_what_was_typed_is_told(maker, capsys):

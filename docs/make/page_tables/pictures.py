@@ -7,6 +7,25 @@ from validation.markdown_tables import markdown_table
 METHODS = ("robust-affine", "black-anandan", "dis", "farneback", "tvl1", "ilk")
 
 
+def photograph() -> str:
+    """What a photograph and a rendered picture are like."""
+    fine, binned = document("compare-pictures-fine.json"), document("compare-pictures.json")
+    quantities = {
+        "mean grey level": ("mean", ".0f"),
+        "contrast of the texture [grey]": ("contrast", ".1f"),
+        "skewness of the grey levels": ("skewness", ".1f"),
+        "autocorrelation length [px]": ("autocorrelation_length", ".1f"),
+        "slope of the power spectrum, waves of 5-50 px": ("spectrum_slope", ".1f"),
+        "mean intensity gradient [grey/px]": ("mean_intensity_gradient", ".1f"),
+        "noise, at most [grey]": ("noise", ".1f"),
+    }
+    pictures = (fine["a"], binned["a"], binned["b"])
+    table = [
+        [told, *(format(one[name], form) for one in pictures)] for told, (name, form) in quantities.items()
+    ]
+    return markdown_table(["", "A, photograph", "A, every 4 x 4 px as one", "B, rendered"], table, words=1)
+
+
 def nuisance() -> str:
     """Errors of each estimator at the greatest severity of each nuisance."""
     every = rows("nuisance.csv")
@@ -92,6 +111,7 @@ def _by_sampling(corner: str, quantities: dict[str, tuple[str, float, str]]) -> 
 
 
 TABLES = {
+    "photograph": photograph,
     "nuisance": nuisance,
     "texture": texture,
     "render": render,
