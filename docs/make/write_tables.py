@@ -7,12 +7,13 @@ each NAME.
 import sys
 from pathlib import Path
 
-from page_tables import pictures, score_my_method, simulator, wheel_law
+from page_tables import pictures, scarab, score_my_method, simulator, wheel_law
 
 from validation.markdown_tables import update_tables
 
 KIND = "measured"
-TABLES = {**pictures.TABLES, **score_my_method.TABLES, **simulator.TABLES, **wheel_law.TABLES}
+PAGES = (pictures, scarab, score_my_method, simulator, wheel_law)
+TABLES = {name: table for page in PAGES for name, table in page.TABLES.items()}
 
 if __name__ == "__main__":
     for page in map(Path, sys.argv[1:]):

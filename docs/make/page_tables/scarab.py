@@ -1,0 +1,66 @@
+"""Tables of docs/scarab.md: what `softbed drawbar` measured."""
+
+from collections.abc import Sequence
+
+from kept import document, rows, the_one
+
+from validation.markdown_tables import markdown_table
+
+GAITS = ("rolling", "inching")
+WHEELS = ("rigid", "pneumatic")
+REDUCTIONS = ("0.1", "0.2", "0.4")
+
+
+def result() -> str:
+    """Pull over weight of both gaits on both wheels, and the published maxima."""
+    curves = [
+        the_one(document("drawbar.json")["curves"], gait=g, wheel=w, law="rft") for w in WHEELS for g in GAITS
+    ]
+    head = ["travel reduction"]
+    for wheel in WHEELS:
+        head += [*(f"{gait}, {wheel}" for gait in GAITS), "ratio"]
+    table = [
+        [_percent(name), *_with_ratios([one["at_travel_reduction"][name] for one in curves])]
+        for name in REDUCTIONS
+    ]
+    maxima, published = ([one[key] for one in curves] for key in ("maximum", "published_maximum"))
+    table.append(["maximum (90 %)", *_with_ratios(maxima, bold=True)])
+    table.append(["published maximum", *_with_ratios(published, form=".2f")])
+    off = [f"{100 * (own / other - 1):+.0f} %" for own, other in zip(maxima, published, strict=True)]
+    table.append(["difference", *off[:2], "", *off[2:], ""])
+    return markdown_table(head, table, words=1)
+
+
+def _with_ratios(pulls: Sequence[float | None], form: str = ".3f", *, bold: bool = False) -> list[str]:
+    """Rolling, inching, and their ratio, of one wheel after the other."""
+    cells = []
+    for rolling, inching in zip(pulls[::2], pulls[1::2], strict=True):
+        ratio = f"{inching / rolling:.2f}" if rolling and inching else ""
+        mark = "**" if bold and ratio else ""
+        cells += [_pull(rolling, form), _pull(inching, form), f"{mark}{ratio}{mark}"]
+    return cells
+
+
+def glass() -> str:
+    """Soil motion through the glass, as measured and in truth."""
+    table = []
+    for row in rows("drawbar-glass.csv"):
+        measured = row["way"] == "measured"
+        shares = [f"{row[name]:.2f}" for name in ("along_thrust", "across_thrust", "resultant")]
+        thrust = f"{row['thrust_over_load']:.2f}" if measured else ""
+        table.append(
+            [row["wheel"] if measured else "", row["way"], *shares, f"{row['depth_mm']:.0f}", thrust]
+        )
+    head = ["wheel", "", "motion energy along thrust", "across", "resultant of directions"]
+    return markdown_table([*head, "depth [mm]", "thrust / load"], table, words=2)
+
+
+def _percent(reduction: str) -> str:
+    return f"{100 * float(reduction):.0f} %"
+
+
+def _pull(value: float | None, form: str) -> str:
+    return "-" if value is None else format(value, form)
+
+
+TABLES = {"drawbar": result, "drawbar-glass": glass}
