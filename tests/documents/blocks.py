@@ -17,7 +17,7 @@ from markdown_it.token import Token
 ROOT = Path(__file__).parents[2]
 _PLACES = (*ROOT.glob("*.md"), *(ROOT / "docs").rglob("*.md"), *(ROOT / "scenes").rglob("*.md"))
 PAGES = sorted(path.relative_to(ROOT).as_posix() for path in _PLACES)
-WRITTEN = re.compile(r"<!-- (findings|measured): (.+?) -->")
+WRITTEN = re.compile(r"<!-- (findings|measured): ([a-z0-9-]+) -->")
 """Stands before a table that a command writes: of which kind, and which."""
 _MARK = re.compile(r"<!-- (parsed only|exit status|needs): (.+?) -->", re.DOTALL)
 _FILE = re.compile(r"# (\w+\.(?:py|toml))\b")
