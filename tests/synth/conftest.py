@@ -2,14 +2,23 @@ import os
 
 import pytest
 
+from synth import Recording, simulate
+from synth.devices import cache_folder
 from synth.scene import SoilBinScene, load_scene, parse_scene
 
 
 @pytest.fixture(scope="session", autouse=True)
 def own_cache(tmp_path_factory):
-    """Beds of tests are made by the code under test, not found in a user's cache."""
+    """Beds of tests are made by the code under test, not found in a user's cache.
+
+    Compiled kernels are: taichi finds them by what is in them, and most processes that tests start would
+    else compile all that another one has compiled.
+    """
     before = os.environ.get("SOFTBED_CACHE")
-    os.environ["SOFTBED_CACHE"] = str(tmp_path_factory.mktemp("cache"))
+    kernels, own = cache_folder() / "kernels", tmp_path_factory.mktemp("cache")
+    kernels.mkdir(parents=True, exist_ok=True)
+    (own / "kernels").symlink_to(kernels.resolve())
+    os.environ["SOFTBED_CACHE"] = str(own)
     yield
     if before is None:
         del os.environ["SOFTBED_CACHE"]
@@ -30,8 +39,28 @@ def tiny_wheel() -> SoilBinScene:
     tables["drive"] |= {"start": 0.05, "run_in": 0.01}
     tables["contact"] |= {"normal_stiffness": 2.0e6}
     tables["timing"] |= {"frame_count": 4, "speed_up": 20.0}
-    tables["camera"] |= {"width": 320, "height": 160, "centre_z": 0.022}
+    tables["camera"] |= {"width": 320, "height": 160, "centre_z": 0.022, "supersampling": 4}
     return parse_scene(tables)
+
+
+@pytest.fixture(scope="session")
+def tiny_recording(tiny_wheel) -> Recording:
+    """What the tiny wheel does, undisturbed; not to be changed."""
+    return simulate(tiny_wheel)
+
+
+@pytest.fixture(scope="session")
+def tiny_wheel_with_contacts(tiny_wheel) -> SoilBinScene:
+    """The same, and the forces between grains are kept."""
+    tables = tiny_wheel.to_dict()
+    tables["timing"]["record_contacts"] = True
+    return parse_scene(tables)
+
+
+@pytest.fixture(scope="session")
+def tiny_recording_with_contacts(tiny_wheel_with_contacts) -> Recording:
+    """What it does, with the forces between grains; not to be changed."""
+    return simulate(tiny_wheel_with_contacts)
 
 
 @pytest.fixture(scope="session")

@@ -29,10 +29,10 @@ def read_arrays(path):
 
 
 @pytest.fixture(scope="module")
-def exported(tiny_wheel, tmp_path_factory):
-    folder, recording = tmp_path_factory.mktemp("vtk"), simulate(tiny_wheel)
-    export_vtk(recording, tiny_wheel, folder)
-    return folder, recording.data
+def exported(tiny_wheel, tiny_recording, tmp_path_factory):
+    folder = tmp_path_factory.mktemp("vtk")
+    export_vtk(tiny_recording, tiny_wheel, folder)
+    return folder, tiny_recording.data
 
 
 def test_grains_are_read_back_with_the_same_values(exported):
@@ -70,12 +70,11 @@ def test_series_lists_every_frame_with_its_time(exported):
         assert all((folder / entry["file"]).is_file() for entry in entries)
 
 
-def test_contacts_are_lines_with_their_forces(tiny_wheel, tmp_path):
-    tables = tiny_wheel.to_dict()
-    tables["timing"]["record_contacts"] = True
-    scene = parse_scene(tables)
-    recording = simulate(scene)
-    export_vtk(recording, scene, tmp_path)
+def test_contacts_are_lines_with_their_forces(
+    tiny_wheel_with_contacts, tiny_recording_with_contacts, tmp_path
+):
+    recording = tiny_recording_with_contacts
+    export_vtk(recording, tiny_wheel_with_contacts, tmp_path)
     arrays, counts = read_arrays(tmp_path / "contacts-000002.vtp")
     contacts, state = recording.contacts(2), recording.data.isel(frame=2)
     count = contacts.sizes["contact"]

@@ -17,8 +17,8 @@ class StoppedError(Exception):
 
 
 @pytest.fixture(scope="module")
-def undisturbed(tiny_wheel):
-    return simulate(tiny_wheel)
+def undisturbed(tiny_recording):
+    return tiny_recording
 
 
 def stop_at(share):
@@ -56,10 +56,20 @@ def test_is_not_written_before_its_time(tiny_wheel, undisturbed, tmp_path):
     assert not (tmp_path / "checkpoint").exists()
 
 
+@pytest.fixture(scope="module")
+def late_checkpoint(tiny_wheel, tmp_path_factory):
+    """What a run leaves that was stopped near its end; not to be changed."""
+    folder = tmp_path_factory.mktemp("stopped") / "checkpoint"
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(checkpoint, "CHECKPOINT_INTERVAL", 0.0)
+        interrupted_run(tiny_wheel, folder, 0.95)
+    return folder
+
+
 @pytest.fixture
-def left_behind(tiny_wheel, tmp_path, at_every_interval):
-    interrupted_run(tiny_wheel, tmp_path / "checkpoint", 0.95)
-    return tmp_path / "checkpoint"
+def left_behind(late_checkpoint, tmp_path, at_every_interval):
+    """The same, each test's own."""
+    return shutil.copytree(late_checkpoint, tmp_path / "checkpoint")
 
 
 def flip_a_bit(path):

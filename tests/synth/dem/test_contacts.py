@@ -9,19 +9,16 @@ from synth.dem.bed import contact_law, settled_bed
 from synth.dem.contact_law import largest_time_step
 from synth.dem.contacts import Contacts
 from synth.devices import start_taichi
-from synth.scene import parse_scene
 
 
 @pytest.fixture(scope="module")
-def scene(tiny_wheel):
-    tables = tiny_wheel.to_dict()
-    tables["timing"]["record_contacts"] = True
-    return parse_scene(tables)
+def scene(tiny_wheel_with_contacts):
+    return tiny_wheel_with_contacts
 
 
 @pytest.fixture(scope="module")
-def recording(scene):
-    return simulate(scene)
+def recording(tiny_recording_with_contacts):
+    return tiny_recording_with_contacts
 
 
 def test_forces_are_split_along_normal_and_tangent():
@@ -80,8 +77,8 @@ def test_they_are_within_the_friction_and_between_grains_that_touch(scene, recor
     assert gap.max() < 1e-3 * scene.bed.grain_diameter
 
 
-def test_they_change_nothing_else_and_are_read_back(tmp_path, recording, tiny_wheel):
-    plain = simulate(tiny_wheel)
+def test_they_change_nothing_else_and_are_read_back(tmp_path, recording, tiny_recording):
+    plain = tiny_recording
     assert "contact_count" not in plain.data and plain.contacts(0) is None
     for name in plain.data:
         np.testing.assert_array_equal(plain.data[name], recording.data[name])

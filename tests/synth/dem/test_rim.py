@@ -172,10 +172,10 @@ def test_forces_csv_has_the_columns_of_every_wheel_first(tmp_path, recording):
     assert len(lines) == recording.data.sizes["sample"]
 
 
-def test_a_stiff_rim_is_a_rigid_wheel(tiny_wheel, tiny_rim):
+def test_a_stiff_rim_is_a_rigid_wheel(tiny_wheel, tiny_rim, tiny_recording):
     tables = tiny_rim.to_dict()
     tables["implement"] |= {"deflection": 5e-5, "bending_stiffness": 1.0, "rim_mass": 0.3}
-    stiff, rigid = simulate(parse_scene(tables)).data, simulate(tiny_wheel).data
+    stiff, rigid = simulate(parse_scene(tables)).data, tiny_recording.data
     load = tiny_wheel.implement.normal_load
     for data in (stiff, rigid):
         assert float(data.force_z.where(data.sample_time > 0).mean()) == pytest.approx(load, rel=0.15)

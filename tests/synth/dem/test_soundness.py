@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from synth import simulate
 from synth.dem.contact_law import ContactLaw
 from synth.dem.grains import Grains
 from synth.dem.log import Frame
@@ -109,8 +108,8 @@ def test_limits(attribute, good, bad):
     assert broken.advice.startswith("take ") and broken.limit
 
 
-def test_a_run_reports_every_quantity(tiny_wheel):
-    attributes = simulate(tiny_wheel).data.attrs
+def test_a_run_reports_every_quantity(tiny_wheel, tiny_recording):
+    attributes = tiny_recording.data.attrs
     always = {quantity.attribute for quantity in QUANTITIES if "density" not in quantity.attribute}
     assert always <= set(attributes)
     assert 0 < attributes["inertial_number_median"] < attributes["inertial_number_p95"]
