@@ -28,13 +28,26 @@ def grains():
 
 
 def foremost(grains, view, x, y):
-    """Number of the foremost grain over places of the picture (px), -1 without; by comparing all with all."""
+    """Number of the foremost grain at rows `y` and columns `x` (px), -1 without.
+
+    Each grain is laid over what was behind it, and compared with all places of its square.
+    """
     centre_x, centre_y = view.to_image(grains.x, grains.z)
-    found = np.full(x.shape, -1)
+    found = np.full((y.size, x.size), -1)
     for grain in np.argsort(-grains.depth):
-        inside = np.hypot(x - centre_x[grain], y - centre_y[grain]) <= grains.diameter[grain] / 2 / PIXEL
-        found[inside] = grain
+        radius = grains.diameter[grain] / 2 / PIXEL
+        across, down = (
+            square(places, centre[grain], radius) for places, centre in ((x, centre_x), (y, centre_y))
+        )
+        inside = np.hypot(x[across] - centre_x[grain], y[down, None] - centre_y[grain]) <= radius
+        found[down, across][inside] = grain
     return found
+
+
+def square(places, centre, radius):
+    """Which of rising places a disc may reach, and one more on either side."""
+    first, last = np.searchsorted(places, (centre - radius, centre + radius))
+    return slice(max(first - 1, 0), last + 1)
 
 
 @pytest.mark.parametrize("sampling", [4, 5, 6, 8])
@@ -54,8 +67,8 @@ def test_the_foremost_disc_covers(taichi, grains, sampling):
     raster = samples.swapaxes(1, 2).reshape(sampling * shape[0], sampling * shape[1])
     rows, columns = ((np.arange(size) + 0.5) / sampling - 0.5 - MARGIN for size in raster.shape)
     for keys, (x, y) in (
-        (raster, np.meshgrid(columns, rows)),
-        (centres, np.meshgrid(*(np.arange(size) - MARGIN for size in reversed(shape)))),
+        (raster, (columns, rows)),
+        (centres, [np.arange(size) - MARGIN for size in reversed(shape)]),
     ):
         expected = foremost(grains, view, x, y)
         nothing = keys == cover_kernels.NOTHING
