@@ -24,7 +24,9 @@ def write_scene(path, source, **changes):
 def tiny_scene(tmp_path_factory):
     """A plate so small that a whole run takes a second or two."""
     path = tmp_path_factory.mktemp("scenes") / "tiny.toml"
-    return write_scene(path, "plate_rotation", name="tiny", camera={"width": 96, "height": 80})
+    return write_scene(
+        path, "plate_rotation", name="tiny", camera={"width": 96, "height": 80, "supersampling": 4}
+    )
 
 
 @pytest.fixture(scope="session")
@@ -39,7 +41,7 @@ def tiny_wheel_scene(tmp_path_factory):
         drive={"start": 0.05, "run_in": 0.01},
         contact={"normal_stiffness": 2.0e6},
         timing={"frame_count": 4, "speed_up": 20.0},
-        camera={"width": 320, "height": 160, "centre_z": 0.022},
+        camera={"width": 320, "height": 160, "centre_z": 0.022, "supersampling": 4},
     )
 
 

@@ -1,6 +1,9 @@
 """Small recordings whose particles follow a known field, and the scenes to photograph them with."""
 
+import subprocess
+import sys
 from dataclasses import dataclass
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -13,6 +16,10 @@ PIXEL = 0.2e-3  # m
 SIZE = (96, 128)  # px, height and width
 CENTRE = (0.2, 0.1)  # m, where the camera looks
 OUT_OF_SIGHT = 5.0  # m
+SAMPLING = 4
+"""Samples along each side of a pixel, for all that is not about them: kernels are compiled for each number of
+them anew, and longer for more.
+"""
 
 
 @dataclass(frozen=True)
@@ -25,7 +32,9 @@ def make_scene(*, name="rolling_wheel", **tables):
     """A quick scene with a small, noise-free picture; `tables` change keys of its tables."""
     scene = load_scene(name, quick=True).to_dict()
     height, width = SIZE
-    scene["camera"].update(width=width, height=height, metres_per_pixel=PIXEL, follows="bin")
+    scene["camera"].update(
+        width=width, height=height, metres_per_pixel=PIXEL, follows="bin", supersampling=SAMPLING
+    )
     if name != "plate_rotation":
         scene["camera"].update(centre_x=CENTRE[0], centre_z=CENTRE[1])
     scene["lens"].update(blur=0.7, vignetting=0.0)
@@ -113,10 +122,56 @@ def cases():
 
     class Makers:
         scene, recording, case, plate = map(staticmethod, (make_scene, make_recording, make_case, make_plate))
-        lattice = staticmethod(lattice)
+        lattice, swirl = staticmethod(lattice), staticmethod(swirl)
         pixel, size, centre = PIXEL, SIZE, CENTRE
 
     return Makers
+
+
+# What `swirl` gives, rendered in a process of its own.
+RENDERING = """
+import sys
+sys.path.insert(0, sys.argv[1])
+from pathlib import Path
+from conftest import swirl
+from synth import render
+case = swirl()
+render(case.recording, case.scene, Path(sys.argv[2]), threads=int(sys.argv[3])).close()
+"""
+
+
+def swirl():
+    """Soil that shears and parts below a wheel, seen from a carriage."""
+
+    def field(x, z, frame):
+        return x + frame * 0.05 * (z - CENTRE[1]), z + frame * 1e-4 * (x > CENTRE[0])
+
+    return make_case(
+        field,
+        frames=3,
+        carriage=[0, 5e-4, 1e-3],
+        turn=[0, 0.01, 0.02],
+        implement=(CENTRE[0], CENTRE[1] + 0.12),
+        camera={"follows": "carriage", "centre_x": CENTRE[0]},
+    )
+
+
+@pytest.fixture(scope="session")
+def render_apart():
+    """Render `swirl` in a process of so many threads: `render_apart(folder, threads)`."""
+
+    def rendered(folder, threads):
+        told = [str(Path(__file__).parent), str(folder), str(threads)]
+        subprocess.run([sys.executable, "-c", RENDERING, *told], check=True, stdout=subprocess.DEVNULL)
+        return folder
+
+    return rendered
+
+
+@pytest.fixture(scope="session")
+def rendered_on_one_thread(render_apart, tmp_path_factory):
+    """Footage of `swirl` by a process of one thread; what it compiled is there for others of one thread."""
+    return render_apart(tmp_path_factory.mktemp("one_thread") / "footage", 1)
 
 
 @pytest.fixture(scope="session")

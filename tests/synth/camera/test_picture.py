@@ -13,6 +13,8 @@ from synth.camera.view import View
 from synth.truth import grains_and_motion, true_motion
 
 WHEEL = 8e-3  # m
+FINE = 12
+"""Samples along each side of a pixel, where it is looked at what is left of errors."""
 
 
 def wheel_scene(cases, scene):
@@ -30,7 +32,7 @@ def mismatch(first, second, u, v, inside):
 
 @pytest.mark.parametrize("name", ["rotation", "shear"])
 def test_the_second_picture_sampled_at_the_truth_is_the_first(cases, fields, photograph, name):
-    case = cases.case(fields[name](0.02), lens={"blur": 1.0}, camera={"supersampling": 12})
+    case = cases.case(fields[name](0.02), lens={"blur": 1.0}, camera={"supersampling": FINE})
     truth = true_motion(case.recording, case.scene, 0, 1)
     first, second = photograph(case, 0), photograph(case, 1)
     u, v = truth.u.values, truth.v.values
@@ -59,8 +61,8 @@ def one_grain(cases, x, y, radius):
     """Scene, micro-grains, placement and cover of a single flat grain in a wide void."""
     from synth.camera import cover_kernels
 
-    scene = cases.scene(texture={"roundness": 0.0, "facet_slope": 0.0}, camera={"supersampling": 8})
-    height, width, margin, sampling = 40, 64, 4, 8
+    scene = cases.scene(texture={"roundness": 0.0, "facet_slope": 0.0}, camera={"supersampling": FINE})
+    height, width, margin, sampling = 40, 64, 4, FINE
     view = View(width, height, cases.pixel, 0.0, 0.0)
     world_x, world_z = view.to_world(np.array([x]), np.array([y]))
     zero, depth = np.zeros(1), np.zeros(1, np.int32)

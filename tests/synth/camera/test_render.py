@@ -1,26 +1,11 @@
 import hashlib
-import subprocess
-import sys
 
 import numpy as np
 import pytest
 
-from synth import render
+from synth import Footage, render
+from synth.devices import thread_count
 from synth.truth import VARIABLES, true_motion
-
-SCRIPT = """
-import sys
-sys.path.insert(0, {folder!r})
-from conftest import make_case, CENTRE, PIXEL
-from pathlib import Path
-from synth import render
-swirl = lambda x, z, k: (x + k * 0.05 * (z - CENTRE[1]), z + k * 1e-4 * (x > CENTRE[0]))
-case = make_case(swirl, frames=3, carriage=[0, 5e-4, 1e-3], turn=[0, .01, .02],
-                 implement=(CENTRE[0], CENTRE[1] + 0.12),
-                 camera={{"follows": "carriage", "centre_x": CENTRE[0]}})
-for out in {outs!r}:
-    render(case.recording, case.scene, Path(out), threads={threads}).close()
-"""
 
 
 def digest(footage):
@@ -34,19 +19,20 @@ def digest(footage):
     return values.hexdigest()
 
 
-def test_the_same_bytes_with_one_and_two_threads_and_again(tmp_path, request):
-    from synth import Footage
+def test_the_same_bytes_with_one_thread_with_more_and_again(
+    taichi, cases, rendered_on_one_thread, render_apart, tmp_path
+):
+    def rendered_here(folder):
+        case = cases.swirl()
+        render(case.recording, case.scene, folder).close()
+        return folder
 
-    outs = {1: [tmp_path / "one"], 2: [tmp_path / "two", tmp_path / "again"]}
+    several = rendered_here if thread_count() > 1 else lambda folder: render_apart(folder, 2)
     digests = []
-    for threads, folders in outs.items():
-        told = {"folder": str(request.path.parent), "outs": list(map(str, folders)), "threads": threads}
-        command = [sys.executable, "-c", SCRIPT.format(**told)]
-        subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        for out in folders:
-            with Footage.open(out) as footage:
-                digests.append(digest(footage))
-                assert (footage.truth(0).implement.values.any(), footage.pair_count) == (True, 2)
+    for out in (rendered_on_one_thread, several(tmp_path / "several"), rendered_here(tmp_path / "again")):
+        with Footage.open(out) as footage:
+            digests.append(digest(footage))
+            assert (footage.truth(0).implement.values.any(), footage.pair_count) == (True, 2)
     assert digests[0] == digests[1] == digests[2]
 
 
