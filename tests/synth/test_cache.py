@@ -50,7 +50,7 @@ def test_a_damaged_value_is_made_anew(cache, content):
 def hold(path, held):
     with sole_maker(path):
         held.set()
-        time.sleep(60)
+        time.sleep(3600)
 
 
 def test_a_lock_ends_with_its_process(tmp_path):
@@ -58,7 +58,7 @@ def test_a_lock_ends_with_its_process(tmp_path):
     held = context.Event()
     maker = context.Process(target=hold, args=(tmp_path / "bed.npz", held))
     maker.start()
-    assert held.wait(30)
+    assert held.wait(300)
     with locked(tmp_path / ".bed.npz.lock", wait=False) as handle:
         assert handle is None
     maker.kill()

@@ -413,7 +413,7 @@ def test_an_interrupted_run_leaves_nothing_half_written(tmp_path, tiny_scene):
 
             def flow(first, second, mask):
                 print("measuring", flush=True)
-                time.sleep(60)
+                time.sleep(3600)
         """)
     )
     out = tmp_path / "out"
@@ -430,7 +430,7 @@ def test_an_interrupted_run_leaves_nothing_half_written(tmp_path, tiny_scene):
     assert process.stdout.readline() == "measuring\n"
     time.sleep(0.2)
     process.send_signal(signal.SIGINT)
-    _, error = process.communicate(timeout=30)
+    _, error = process.communicate(timeout=300)
     assert process.returncode == 130
     assert "Traceback" not in error
     assert error.splitlines()[-1].startswith("softbed: interrupted")

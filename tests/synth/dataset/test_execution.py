@@ -103,11 +103,11 @@ def is_alive(process):
     return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
 
 
-def wait_for(condition, *, seconds=PATIENCE):
-    end = time.monotonic() + seconds
+def wait_for(condition):
+    end = time.monotonic() + PATIENCE
     while not condition():
         assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.01)
+        time.sleep(0.02)
 
 
 def assert_whole(out):
@@ -226,7 +226,7 @@ def test_a_killed_worker_and_a_killed_client_lose_nothing(sweep_of, sand_tables,
     wait_for(lambda: half_made(since=when))
     process.kill()
     process.wait()
-    wait_for(lambda: not any(map(is_alive, workers)), seconds=30)
+    wait_for(lambda: not any(map(is_alive, workers)))
     assert half_made() and len(list(out.glob("sequences/*"))) == 1
     assert start(sweep, out).wait(PATIENCE) == 0
     assert_whole(out)
@@ -247,10 +247,10 @@ def test_an_interrupt_ends_the_workers_and_leaves_nothing_half_written(
     wait_for(lambda: list(out.glob(".work/*/*/frames/000002.png")))
     workers = workers_of(process)
     os.killpg(process.pid, signal.SIGINT)  # as a terminal does it: the workers are told, too
-    error = process.communicate(timeout=60)[1]
+    error = process.communicate(timeout=PATIENCE)[1]
     assert process.returncode == 130 and "the same command goes on" in error.splitlines()[-1]
     assert "Traceback" not in error
-    wait_for(lambda: not any(map(is_alive, workers)), seconds=30)
+    wait_for(lambda: not any(map(is_alive, workers)))
     assert not list(out.glob("sequences/*"))
 
 
@@ -274,7 +274,7 @@ def test_a_killed_worker_s_simulation_goes_on_from_its_checkpoint(wheel_sweep, s
     wait_for(lambda: list(out.glob(".work/*/*/frames/000001.png")))
     process.kill()
     process.wait()
-    wait_for(lambda: not any(map(is_alive, workers)), seconds=30)
+    wait_for(lambda: not any(map(is_alive, workers)))
     assert len(list(out.glob("sequences/*"))) < 4
     assert start(wheel_sweep, out).wait(PATIENCE) == 0
     assert_whole(out)

@@ -48,7 +48,7 @@ def browse(page, profile, *options):
     if BROWSER is None:
         pytest.skip("no Chromium here: .ci/run installs Debian's")
     command = [BROWSER, *QUIET, f"--user-data-dir={profile}", *options, "--dump-dom", page.as_uri()]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=120)
+    done = subprocess.run(command, capture_output=True, text=True, timeout=300)
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stdout, done.stderr
 
