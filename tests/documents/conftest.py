@@ -28,6 +28,15 @@ DRIVES = {
 }
 # The rolling wheel of the page that changes it; its own is full-size.
 DRIVES["slipping"] = {**DRIVES["rolling_wheel"], "slip": 0.4}
+BAND = """
+base = "shear_band"
+name = "small_band"
+[quick.motion]
+radius = 32.0
+[quick.camera]
+width = 160
+height = 96
+"""
 FILM_SHAPE = (480, 880)
 SAND = """
 base = "sand_rotation"
@@ -74,6 +83,14 @@ def small_scenes(tmp_path_factory):
         quick = {"timing": {"frame_count": 2}}
         scene = {**shipped, **tables, "name": name, "drive": drive, "quick": quick}
         (folder / f"{name}.toml").write_text(tomli_w.dumps(scene))
+    return folder
+
+
+@pytest.fixture(scope="session")
+def small_band(tmp_path_factory):
+    """A folder with a small shear band, by the name of the one that pages run."""
+    folder = tmp_path_factory.mktemp("band")
+    (folder / "shear_band.toml").write_text(BAND)
     return folder
 
 

@@ -24,7 +24,7 @@ from validation.cli.app import BAD_INPUT, CHECK_FAILED, FAULT, INTERRUPTED
 
 # What a page takes for given, by the name of the fixture that makes it.
 GIVEN = {
-    "README.md": ["own_pictures", "own_film"],
+    "README.md": ["own_pictures", "own_film", "small_band"],
     "docs/analysis.md": ["own_pictures"],
     "docs/datasets.md": ["wheels"],
     "docs/figures.md": ["sand_run"],
@@ -33,7 +33,7 @@ GIVEN = {
     "docs/tutorials/make_a_data_set.md": ["wheels"],
 }
 SCORING = "docs/tutorials/score_my_method.md"
-SMALL = ("rolling_wheel", "pushed_wheel")  # scenes that a fixture has small ones of
+SMALL = ("rolling_wheel", "pushed_wheel", "shear_band")  # scenes that a fixture has small ones of
 # Commands that take minutes to hours, whatever they are asked for.
 LONG = {"bench", "calibrate", "contact-sheet", "drawbar", "identify", "study", "suite", "verify"}
 TARGETS = set(re.findall(r"^([a-z-]+):", (ROOT / "Makefile").read_text(), re.MULTILINE))
