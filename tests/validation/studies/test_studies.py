@@ -3,7 +3,6 @@
 import csv
 import json
 import tomllib
-from functools import partial
 
 import numpy as np
 import pytest
@@ -12,6 +11,7 @@ import tomli_w
 from soft.flow import BUILT_IN, installed
 from synth import Recording, load_scene
 from synth.recording import VARIABLES
+from synth.scene import changed_scene
 from validation.studies import STUDIES, find_study
 from validation.studies.flow_field import Window, mean_flow
 from validation.studies.grain_size import band_width, band_widths
@@ -233,10 +233,14 @@ def test_a_study_of_pictures_takes_every_estimator_there_is(study):
     assert set(find_study(study).inputs["methods"]) == set(installed()) <= set(BUILT_IN)
 
 
+def small_scene(name):
+    """A shipped scene in its quick form, with the fewest samples that a pixel may have."""
+    return changed_scene(load_scene(name, quick=True), {"camera.supersampling": 4})
+
+
 def test_nuisances_of_a_tiny_wheel(softbed, tiny_wheel_scene, tmp_path, monkeypatch):
     monkeypatch.setattr("validation.studies.nuisance.installed", lambda: FEW)
-    small = partial(load_scene, quick=True)
-    monkeypatch.setattr("validation.studies.nuisance.load_scene", lambda name, **_: small(name))
+    monkeypatch.setattr("validation.studies.nuisance.load_scene", lambda name, **_: small_scene(name))
     severities = {"vibration": (2.0,), "exchange": (0.2,)}
     monkeypatch.setattr("validation.studies.nuisance.SEVERITIES", severities)
     status, output, error = softbed("study", "nuisance", tmp_path, "--scene", tiny_wheel_scene, "--json")

@@ -20,7 +20,7 @@ from validation.suites.paper.verdict import JUDGED, Variant
 from validation.suites.results import write_results
 from validation.terminal import Terminal
 
-TINY = (("camera", "width", 120), ("camera", "height", 110))
+TINY = (("camera", "width", 120), ("camera", "height", 110), ("camera", "supersampling", 4))
 
 
 @pytest.fixture(scope="module")
