@@ -95,4 +95,5 @@ def _mean_and_range(values: np.ndarray) -> tuple[float, float]:
 
 
 def _pm(value: float, spread: float) -> str:
+    value = round(value, 3) + 0.0  # nothing has no sign
     return f"{value:.3f} ± {spread:.3f}" if np.isfinite(spread) else f"{value:.3f}"

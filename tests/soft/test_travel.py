@@ -17,6 +17,11 @@ def test_as_the_paper_tells_it():
     )
 
 
+def test_what_rounds_to_nothing_has_no_sign():
+    speed = CameraSpeed.of(np.array([-1e-5, 2e-5]), None, metres_per_second=1e-4)
+    assert "-0.000" not in str(speed)
+
+
 def test_pairs_without_soil_do_not_count():
     speed = CameraSpeed.of(np.array([np.nan, 2.0, 4.0]), np.array([np.nan, 1.0, 1.0]))
     assert (speed.pair_count, speed.u, speed.v, speed.v_range) == (2, 3.0, 1.0, 0.0)

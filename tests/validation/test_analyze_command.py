@@ -175,9 +175,9 @@ def test_video(softbed, photographs):
     assert film.read_bytes() == before
     figures = photographs.parent / "rig-softbed" / "figures" / "farneback"
     assert list(figures.glob("*.png"))
-    assert (figures / "interface-0000.csv").read_text() == "line,x_px,y_px\n", "nothing moves in the soil"
-    assert "pair 0: no moving region" in error
-    agreement = re.search(r"SIFT on pair 0: .*flow agrees with ([\d.]+)% within 0.56 px", error)
+    assert (figures / "interface-0001.csv").read_text() == "line,x_px,y_px\n", "nothing moves in the soil"
+    assert "pair 1: no moving region" in error
+    agreement = re.search(r"SIFT on pair 1: .*flow agrees with ([\d.]+)% within 0.56 px", error)
     assert float(agreement[1]) > 90
 
 

@@ -138,8 +138,9 @@ def _source(run: RunFolder, material: Material) -> str:
 
 
 def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, terminal: Terminal) -> None:
-    """Write `figures/` of measurements on pictures without truth."""
+    """Write `figures/` of measurements on pictures without truth, of the pair that `softbed figure` shows."""
     import soft
+    from validation.pair_view import middle_pair
 
     paths = {method.slug: run.analysis(method.slug) for method in methods}
     key = key_of(step="figures", made_by=made_by(), analyses={s: file_digest(p) for s, p in paths.items()})
@@ -150,30 +151,35 @@ def draw(run: RunFolder, material: Material, methods: Sequence[Method], *, termi
             folder = draft.folder / run.figures.name / slug
             folder.mkdir(parents=True)
             with soft.read_soil_flow(path) as flow:
-                soft.write_figures(flow, material.sequence, folder)
-                _tell_first_pair(slug, flow, material.sequence, folder, terminal)
+                pair = middle_pair(flow.sizes["pair"])
+                soft.write_figures(flow, material.sequence, folder, pair=pair)
+                terminal.say(f"  {slug}, pair {pair}: {_interface_told(flow, pair, folder)}")
+                agreement = _agreement_told(flow, pair, material.sequence)
+                terminal.say(f"  {slug}, SIFT on pair {pair}: {agreement}")
             progress(done, len(paths))
 
 
-def _tell_first_pair(
-    slug: str, flow: "xr.Dataset", sequence: "ImageSequence", folder: Path, terminal: Terminal
-) -> None:
-    """Write the shear interface of the pair that figures show; say how well its flow agrees with SIFT."""
+def _interface_told(flow: "xr.Dataset", pair: int, folder: Path) -> str:
+    """Write the shear interface of a pair; say what it is."""
+    import soft
+
+    interface = soft.shear_interface_of(flow, pair=pair)
+    path = folder / f"interface-{pair:04d}.csv"
+    soft.write_interface(interface, path, metres_per_pixel=flow.attrs.get("metres_per_pixel"))
+    return interface.remark
+
+
+def _agreement_told(flow: "xr.Dataset", pair: int, sequence: "ImageSequence") -> str:
+    """How well the flow of a pair agrees with SIFT."""
     import numpy as np
 
     import soft
 
-    interface = soft.shear_interface_of(flow)
-    soft.write_interface(
-        interface, folder / "interface-0000.csv", metres_per_pixel=flow.attrs.get("metres_per_pixel")
-    )
-    terminal.say(f"  {slug}, pair 0: {interface.remark}")
-    pair = flow[["u", "v", "valid", "soil", "first_frame", "second_frame"]].isel(pair=0).load()
-    first, second = (sequence[int(pair[name])] for name in ("first_frame", "second_frame"))
-    displacement = np.stack([pair["u"].values, pair["v"].values], axis=2)
-    mask = pair["soil"].values
-    check = soft.cross_validate(first, second, displacement, pair["valid"].values, mask=mask)
-    terminal.say(f"  {slug}, SIFT on pair 0: {check.remark}")
+    one = flow[["u", "v", "valid", "soil", "first_frame", "second_frame"]].isel(pair=pair).load()
+    first, second = (sequence[int(one[name])] for name in ("first_frame", "second_frame"))
+    displacement = np.stack([one["u"].values, one["v"].values], axis=2)
+    check = soft.cross_validate(first, second, displacement, one["valid"].values, mask=one["soil"].values)
+    return check.remark
 
 
 def analyzed_methods(run: RunFolder, material: Material, *, terminal: Terminal) -> list[Method]:
