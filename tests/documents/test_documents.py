@@ -33,6 +33,7 @@ GIVEN = {
     "docs/tutorials/make_a_data_set.md": ["wheels"],
 }
 SCORING = "docs/tutorials/score_my_method.md"
+PHOTOGRAPHS = "docs/tutorials/my_photographs.md"
 SMALL = ("rolling_wheel", "pushed_wheel", "shear_band")  # scenes that a fixture has small ones of
 # Commands that take minutes to hours, whatever they are asked for.
 LONG = {"bench", "calibrate", "contact-sheet", "drawbar", "identify", "study", "suite", "verify"}
@@ -126,12 +127,14 @@ def run_block(block: Block, place: Path, names: dict[str, object]) -> None:
 
 
 @pytest.mark.parametrize("page", [page for page in PAGES if blocks_of(page)])
-def test_blocks(page, place):
+def test_blocks(page, place, capsys):
     where, names = place(page), {"__name__": "page"}
     for block in blocks_of(page):
         run_block(block, where, names)
     if page == SCORING:
         assert_told(page, where / "out" / "band" / "scores.json")
+    if page == PHOTOGRAPHS:
+        assert_said(page, "".join(capsys.readouterr()))
 
 
 def assert_told(page: str, path: Path) -> None:
@@ -146,6 +149,13 @@ def assert_told(page: str, path: Path) -> None:
         wrong = one["wrong_share"]["0.3"]
         told = f"{one['coverage']:.1%} | {one['median']:.3f} | {one['p95']:.2f} | {wrong:.1%}"
         assert numbers == told.replace("%", " %"), (method, stratum)
+
+
+def assert_said(page: str, printed: str) -> None:
+    """Every line that the page shows in a block of no kind has been printed."""
+    shown = [line for block in blocks_of(page) if not block.kind for line in block.text.splitlines()]
+    assert shown
+    assert set(shown) - {line.strip() for line in printed.splitlines()} == set()
 
 
 @pytest.mark.parametrize("page", PAGES)
