@@ -248,7 +248,7 @@ def _attributes(sequence: ImageSequence, settings: PairSettings, told: _Told) ->
         "seed": settings.seed,
         "device": settings.device,
         "frames": json.dumps(sequence.names),
-        "remarks": json.dumps(told.remarks),
+        "remarks": json.dumps([*filter(None, [sequence.remark]), *told.remarks]),
     }
     for name in ("metres_per_pixel", "frame_rate"):
         if (value := getattr(sequence, name)) is not None:

@@ -61,6 +61,11 @@ class PictureFiles:
         """Paths within the folder."""
         return tuple(file.relative_to(self.folder).as_posix() for file in self.files)
 
+    @property
+    def remark(self) -> str:
+        """None: a picture that cannot be read is refused."""
+        return ""
+
     def read(self, index: int) -> np.ndarray:
         """Decode a file, which must have kept its size since the folder was opened."""
         picture = read_picture(self.files[index])

@@ -29,6 +29,11 @@ class Frames(Protocol):
         """The files that the frames are read from, empty for memory."""
         ...
 
+    @property
+    def remark(self) -> str:
+        """What should be known of them before they are used; mostly empty."""
+        ...
+
     def read(self, index: int) -> np.ndarray:
         """Frame `index`, (H, W) float32 grey in 0-255, of the reader's own."""
         ...
@@ -72,6 +77,11 @@ class ArrayFrames:
     def files(self) -> tuple[Path, ...]:
         """None."""
         return ()
+
+    @property
+    def remark(self) -> str:
+        """None."""
+        return ""
 
     def read(self, index: int) -> np.ndarray:
         """A copy, so that a caller's changes stay the caller's."""

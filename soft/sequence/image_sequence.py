@@ -241,6 +241,11 @@ class ImageSequence:
         return self.frames.names
 
     @property
+    def remark(self) -> str:
+        """What should be known of the pictures before they are used, as of a film cut short; mostly empty."""
+        return self.frames.remark
+
+    @property
     def files(self) -> tuple[Path, ...]:
         """Every file that is read: pictures or video, and masks."""
         return self.frames.files + (() if self.masks is None else self.masks.files)

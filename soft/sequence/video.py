@@ -15,6 +15,8 @@ VIDEO_SUFFIXES = (".mp4", ".avi", ".mkv", ".mov", ".m4v", ".webm")
 
 # Of a pair the first and the second frame: each reader only ever goes forward.
 _READER_COUNT = 2
+_COUNT_IS_OFF_BY = 1
+"""Frames; some containers tell a duration only, from which the count is reckoned."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -31,7 +33,9 @@ class VideoFrames:
     shape : (int, int)
         Rows and columns of every frame, as stored: a rotation that the file asks for is not applied.
     frame_count : int
-        Frames that can be decoded, which is not always the number the file tells.
+        Frames that can be decoded.
+    announced_count : int
+        Frames that the file tells of; 0 where it does not.
     frame_rate : float or None
         Frames per second as the file tells; None where it does not. A high-speed camera's file often tells
         the rate to play it at.
@@ -40,6 +44,7 @@ class VideoFrames:
     path: Path
     shape: tuple[int, int]
     frame_count: int
+    announced_count: int
     frame_rate: float | None
     _readers: list["_Reader"] = field(default_factory=list)
 
@@ -53,7 +58,7 @@ class VideoFrames:
             If it cannot be read, or has fewer than two frames.
         """
         capture = _capture(path)
-        rate = _frame_rate(capture)
+        rate, announced = _frame_rate(capture), _announced_count(capture)
         read, first = capture.read()
         if not read:
             capture.release()
@@ -63,7 +68,7 @@ class VideoFrames:
             count += 1
         capture.release()
         require_two(count, str(path))
-        return cls(path, (first.shape[0], first.shape[1]), count, rate)
+        return cls(path, (first.shape[0], first.shape[1]), count, announced, rate)
 
     @property
     def names(self) -> tuple[str, ...]:
@@ -74,6 +79,16 @@ class VideoFrames:
     def files(self) -> tuple[Path, ...]:
         """The one file."""
         return (self.path,)
+
+    @property
+    def remark(self) -> str:
+        """Whether fewer frames could be decoded than the file tells of."""
+        if self.frame_count + _COUNT_IS_OFF_BY >= self.announced_count:
+            return ""
+        return (
+            f"{self.path.name}: {self.frame_count} of the {self.announced_count} frames that it tells of "
+            "could be decoded: is it cut short or damaged?"
+        )
 
     def read(self, index: int) -> np.ndarray:
         """Frame `index`, (H, W) float32 grey in 0-255.
@@ -150,3 +165,10 @@ def _frame_rate(capture: Any) -> float | None:
 
     rate = float(capture.get(cv2.CAP_PROP_FPS))
     return rate if 0 < rate < math.inf else None
+
+
+def _announced_count(capture: Any) -> int:
+    import cv2
+
+    count = float(capture.get(cv2.CAP_PROP_FRAME_COUNT))
+    return round(count) if 0 < count < math.inf else 0

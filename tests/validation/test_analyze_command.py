@@ -181,6 +181,21 @@ def test_video(softbed, photographs):
     assert float(agreement[1]) > 90
 
 
+def test_video_cut_short(softbed, photographs):
+    film = photographs.parent / "rig.avi"
+    writer = cv2.VideoWriter(str(film), cv2.VideoWriter_fourcc(*"MJPG"), 25.0, SHAPE[::-1])
+    for k in range(12):
+        writer.write(cv2.cvtColor(soil(k), cv2.COLOR_GRAY2BGR))
+    writer.release()
+    film.write_bytes(film.read_bytes()[: film.stat().st_size // 2])
+    status, _, error = softbed("analyze", film, "--method", "dis", "--soil", "all")
+    assert status == 0, error
+    told = re.search(r"warning: rig\.avi: (\d) of the 12 frames that it tells of could be decoded", error)
+    with measured(photographs.parent / "rig-softbed") as flow:
+        assert flow.sizes["pair"] == int(told[1]) - 1
+        assert told[0].removeprefix("warning: ") in flow.attrs["remarks"]
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [

@@ -55,6 +55,8 @@ def analyze(
     step = _analyze_step(method)
     if skips(run, step, key, terminal, never=_NEVER_SKIPPED if method.is_function else None):
         return
+    if material.sequence.remark:
+        terminal.say(f"warning: {material.sequence.remark}")
     _tell_size(material.sequence, terminal)
     kept = run.kept_flow(method.slug)
     if kept.is_dir():

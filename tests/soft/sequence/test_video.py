@@ -31,6 +31,7 @@ def test_frames_in_order(tmp_path, name, codec, tolerance):
     sequence = ImageSequence.open(film(tmp_path / name, levels, codec=codec))
     assert (len(sequence), sequence.shape) == (5, SHAPE)
     assert sequence.frame_rate == pytest.approx(12.5)
+    assert not sequence.remark
     assert sequence.metres_per_pixel is None
     assert sequence.names[2] == f"{name}#2"
     for frame, level in zip(sequence, levels, strict=True):
@@ -111,3 +112,4 @@ def test_film_cut_short_ends_with_its_last_whole_frame(tmp_path):
     sequence = ImageSequence.open(path)
     assert 2 <= len(sequence) < 20
     assert len(list(sequence)) == len(sequence)
+    assert sequence.remark.startswith(f"a.avi: {len(sequence)} of the 20 frames that it tells of")
