@@ -2,10 +2,11 @@
 
 import contextlib
 import json
+import math
 import sys
 import time
 from collections.abc import Callable, Iterator
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Protocol
 
 from synth.devices import standard_output_to_error
 from synth.disk import system_complaint
@@ -13,8 +14,18 @@ from synth.disk import system_complaint
 if TYPE_CHECKING:
     from rich.console import RenderableType
 
-Progress = Callable[[int, int], None]
-"""Called with work done and work in all."""
+
+class Progress(Protocol):
+    """Told of work done and of work in all.
+
+    Who knows how long it still takes says so, in s, NaN for not known yet; else it is guessed from how fast
+    the work went.
+    """
+
+    def __call__(self, done: int, total: int, left: float | None = None, /) -> None:
+        """Take note."""
+        ...
+
 
 _COLUMNS = 110
 _SECONDS_BETWEEN_LINES = 10.0
@@ -81,11 +92,19 @@ def _bar(label: str) -> Iterator[Progress]:
     from rich.progress import (
         BarColumn,
         MofNCompleteColumn,
+        Task,
         TextColumn,
         TimeElapsedColumn,
         TimeRemainingColumn,
     )
     from rich.progress import Progress as Bars
+    from rich.text import Text
+
+    class Left(TimeRemainingColumn):
+        def render(self, task: Task) -> Text:
+            if (left := task.fields["left"]) is None:
+                return super().render(task)
+            return Text(_told(left) or "-:--:--", "progress.remaining")
 
     columns = (
         TextColumn("{task.description}"),
@@ -93,30 +112,56 @@ def _bar(label: str) -> Iterator[Progress]:
         MofNCompleteColumn(),
         TimeElapsedColumn(),
         TextColumn("left"),
-        TimeRemainingColumn(),
+        Left(),
     )
     with Bars(*columns, console=Console(file=sys.stderr)) as bars:
-        task = bars.add_task(label, total=None)
-        yield lambda done, total: bars.update(task, completed=done, total=total)
+        task = bars.add_task(label, total=None, left=None)
+
+        def advance(done: int, total: int, left: float | None = None, /) -> None:
+            bars.update(task, completed=done, total=total, left=left)
+
+        yield advance
 
 
 @contextlib.contextmanager
 def _lines(label: str, say: Callable[[str], None]) -> Iterator[Progress]:
     started = time.monotonic()
-    spoken, pause = started, _SECONDS_BETWEEN_LINES
+    spoken, pause, guess = started, _SECONDS_BETWEEN_LINES, _Guess(started)
     say(f"{label} ...")
 
-    def advance(done: int, total: int) -> None:
+    def advance(done: int, total: int, left: float | None = None, /) -> None:
         nonlocal spoken, pause
         now = time.monotonic()
-        if done and done < total and now - spoken > pause:
-            left = (now - started) * (total - done) / done
-            guess = f", about {duration(left)} left" if done > _FIRST_GUESS * total else ""
-            say(f"{label}: {done} of {total}{guess}")
+        guessed = guess.seconds(now, done, total)
+        if done < total and now - spoken > pause:
+            told = _told(guessed if left is None else left)
+            say(f"{label}: {done} of {total}{f', about {told} left' if told else ''}")
             spoken, pause = now, min(2 * pause, _SECONDS_BETWEEN_LINES_AT_MOST)
 
     yield advance
     say(f"{label}: done in {duration(time.monotonic() - started)}")
+
+
+class _Guess:
+    """The time left, from how fast work went; what was done before it was first told of does not count."""
+
+    def __init__(self, started: float) -> None:
+        self._started = started
+        self._before: int | None = None
+
+    def seconds(self, now: float, done: int, total: int) -> float:
+        if self._before is None:
+            self._before = done
+            self._started = now if done else self._started
+        gained = done - self._before
+        if gained <= _FIRST_GUESS * (total - self._before):
+            return math.nan
+        return (now - self._started) * (total - done) / gained
+
+
+def _told(left: float) -> str:
+    """A time left, or nothing where it is not known."""
+    return duration(left) if math.isfinite(left) else ""
 
 
 def duration(seconds: float) -> str:

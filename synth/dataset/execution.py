@@ -13,6 +13,7 @@ from synth.dataset.members import Failure, Member, Membership, members_of
 from synth.dataset.summary import Told, read_manifest, write_summary
 from synth.dataset.sweep import SPLITS, Sweep, load_sweep
 from synth.dataset.tasks import Order, Result, StageError, photograph, settle, simulate
+from synth.dataset.time_left import TimeLeft
 from synth.dataset.versions import DECISIVE, decisive_versions, differing
 
 if TYPE_CHECKING:
@@ -20,7 +21,9 @@ if TYPE_CHECKING:
 
     from synth.scene import AnyScene
 
-Progress = Callable[[int, int], None]
+Progress = Callable[[int, int, float], None]
+Task = tuple[str, str]
+"""Stage, and name of the bed, the motion or the member."""
 _TRIES_AGAIN = 1
 """Of a task that raised something else than a scene's own fault."""
 
@@ -71,7 +74,8 @@ def make_data_set(
     say : callable, optional
         Told in one line each where the dashboard is, and what failed.
     progress : callable, optional
-        Called with the members done and the members in all.
+        Called with the members done, the members in all, and the seconds left: NaN until each stage that is
+        left has shown what it takes.
 
     Returns
     -------
@@ -145,42 +149,57 @@ def _carry_out(
 ) -> None:
     """Let the cluster make what is missing; `failures` is filled by member."""
     done = total - len(missing)
-    with _submitted(client, order, missing) as futures:
-        for name, result in _results(futures):
-            done += 1
-            if isinstance(result, Failure):
-                failures[name] = result
-                say(f"failed: {name}: {result.stage}: {result.reason}")
+    workers = len(client.nthreads())  # each does one task at a time, whatever threads it has
+    with _submitted(client, order, missing) as graph:
+        for (stage, name), result in _results(graph.tasks):
+            if stage == "pictures":
+                done += 1
+                if isinstance(result, Failure):
+                    failures[name] = result
+                    say(f"failed: {name}: {result.stage}: {result.reason}")
+            graph.left.finish(stage, name, None if isinstance(result, Failure) else result.get(stage))
             if progress is not None:
-                progress(done, total)
+                progress(done, total, graph.left.seconds(workers))
 
 
 @contextmanager
-def _submitted(client: "Client", order: Order, missing: list[Member]) -> "Iterator[dict[Future, str]]":
-    """The members' futures, bed by bed and motion by motion; cancelled where this ends early.
+def _submitted(client: "Client", order: Order, missing: list[Member]) -> "Iterator[_Graph]":
+    """All tasks submitted, bed by bed and motion by motion; cancelled where this ends early.
 
     Each bed and each motion is a task once; dask begins with what was submitted first.
     """
     graph = _Graph(client, order)
     ordered = sorted(missing, key=lambda one: (one.bed or "", one.simulation))
     try:
-        yield {graph.pictures(member): member.name for member in ordered}
+        for member in ordered:
+            graph.add(member)
+        yield graph
     except BaseException:
-        client.cancel(list(graph.futures.values()))
+        client.cancel(list(graph.tasks))
         raise
 
 
 class _Graph:
-    """Tasks by key: bed -> simulation -> pictures."""
+    """Tasks: bed -> simulation -> pictures.
+
+    Attributes
+    ----------
+    tasks : dict
+        Stage and name of each, by its future.
+    left : TimeLeft
+    """
 
     def __init__(self, client: "Client", order: Order) -> None:
-        self.futures: dict[str, Future] = {}
+        self.tasks: dict[Future, Task] = {}
+        self.left = TimeLeft()
+        self._futures: dict[Task, Future] = {}
         self._client, self._order = client, order
         # A scheduler of the user's own may work on other folders at the same time.
         self._suffix = hashlib.sha256(str(order.folder.path).encode()).hexdigest()[:8]
 
-    def pictures(self, member: Member) -> "Future":
-        return self._task("pictures", member.name, photograph, member, self._simulation(member))
+    def add(self, member: Member) -> None:
+        """Submit a member's pictures, and what they need."""
+        self._task("pictures", member.name, photograph, member, self._simulation(member))
 
     def _simulation(self, member: Member) -> "Future":
         there = self._order.folder.recording(member.simulation).is_file()
@@ -191,25 +210,32 @@ class _Graph:
         return self._task("bed", bed, settle, member)
 
     def _task(self, stage: str, name: str, work: Any, member: Member, *before: "Future") -> "Future":
-        key = f"{stage}-{name}-{self._suffix}"
-        if key not in self.futures:
-            self.futures[key] = self._client.submit(
-                work, self._order, member.scene, *before, key=key, retries=_TRIES_AGAIN
+        task = (stage, name)
+        if task not in self._futures:
+            self.left.expect(stage, name, member.scene)
+            future = self._client.submit(
+                work,
+                self._order,
+                member.scene,
+                *before,
+                key=f"{stage}-{name}-{self._suffix}",
+                retries=_TRIES_AGAIN,
             )
-        return self.futures[key]
+            self._futures[task], self.tasks[future] = future, task
+        return self._futures[task]
 
 
-def _results(futures: "dict[Future, str]") -> Iterator[tuple[str, Result]]:
-    """Results by member as they come; what was raised is a failure, too."""
+def _results(tasks: "dict[Future, Task]") -> Iterator[tuple[Task, Result]]:
+    """Results as they come; what was raised is a failure, too."""
     from distributed import as_completed
 
-    for future in as_completed(list(futures)):
+    for future in as_completed(list(tasks)):
         if future.status == "finished":
-            yield futures[future], future.result()
+            yield tasks[future], future.result()
         elif future.status == "error":
-            yield futures[future], _failure(future.exception())
+            yield tasks[future], _failure(future.exception())
         else:
-            yield futures[future], Failure("pictures", f"{future.status}: the scheduler went away")
+            yield tasks[future], Failure("pictures", f"{future.status}: the scheduler went away")
 
 
 def _failure(error: BaseException | None) -> Failure:

@@ -1,13 +1,17 @@
 """The command that calibrates a camera's lens."""
 
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Annotated
+from typing import TYPE_CHECKING, Annotated
 
 import typer
 
 from validation.cli.app import app
 from validation.cli.options import Debug, Json
-from validation.terminal import Terminal
+from validation.terminal import Progress, Terminal
+
+if TYPE_CHECKING:
+    import numpy as np
 
 
 @app.command("calibrate-camera")
@@ -30,15 +34,13 @@ def calibrate_camera(
 ) -> None:
     """Find a camera's lens distortion from photographs of a board: a file for `analyze --lens`."""
     from soft.calibration import calibrate_lens, parse_board
-    from soft.sequence import read_picture
     from soft.sequence.folder import sorted_pictures
 
     terminal = Terminal(json=json)
     with terminal.working(), terminal.progress("find the board") as progress:
         wanted = parse_board(board)
         files = sorted_pictures(pictures)
-        told = ((progress(k, len(files)), (file.name, read_picture(file)))[1] for k, file in enumerate(files))
-        lens = calibrate_lens(told, wanted, radial_terms=radial_terms)
+        lens = calibrate_lens(_read(files, progress), wanted, radial_terms=radial_terms)
         lens.write(output)
     unseen = [file.name for file in files if file.name not in lens.views]
     if unseen:
@@ -59,3 +61,12 @@ def calibrate_camera(
             "distortion": lens.distortion.tolist(),
         }
     )
+
+
+def _read(files: list[Path], progress: Progress) -> "Iterator[tuple[str, np.ndarray]]":
+    """Pictures by name, one at a time."""
+    from soft.sequence import read_picture
+
+    for k, file in enumerate(files):
+        progress(k, len(files))
+        yield file.name, read_picture(file)

@@ -11,7 +11,8 @@ import tomli_w
 from soft.flow.flo import read_flo
 from soft.flow.kitti import QUANTUM, read_kitti
 from synth.dataset import load_data_set
-from synth.dataset.forecast import START_SECONDS, bed_step_count, forecast, grain_count, step_count
+from synth.dataset.forecast import START_SECONDS, forecast
+from synth.dataset.stage_seconds import bed_step_count, grain_count, step_count
 from synth.scene import changed_scene, load_scene
 
 
