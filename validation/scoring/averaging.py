@@ -4,7 +4,6 @@ The data alone tell noise from signal by what repeats; errors that repeat, too, 
 mean over N pairs is compared with the mean of the truth over the same pairs.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any
 
@@ -44,13 +43,6 @@ class AveragingScore:
     def to_dict(self) -> dict[str, Any]:
         """As it stands in scores.json, beside the method's other numbers."""
         return {"averaging": {"pair_count": list(self.pair_count), "error": list(self.error)}}
-
-    @classmethod
-    def from_dict(cls, table: Mapping[str, Any]) -> "AveragingScore | None":
-        """Read it from a method's numbers; None where they have none of it."""
-        if "averaging" not in table:
-            return None
-        return cls(tuple(table["averaging"]["pair_count"]), tuple(table["averaging"]["error"]))
 
     @property
     def sentence(self) -> str:

@@ -5,7 +5,6 @@ true speeds: what remains is the measurement's doing. And to the line of greates
 clustering itself is off by, when its line is taken for the place where soil shears.
 """
 
-from collections.abc import Mapping
 from dataclasses import asdict, dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -70,12 +69,6 @@ class RegionScore:
     def to_dict(self) -> dict[str, Any]:
         """As it stands in scores.json, beside the method's other numbers."""
         return asdict(self)
-
-    @classmethod
-    def from_dict(cls, table: Mapping[str, Any]) -> "RegionScore | None":
-        """Read it from a method's numbers; None where they have none of it."""
-        names = cls.__dataclass_fields__
-        return cls(**{name: table[name] for name in names}) if "soil_iou" in table else None
 
 
 @dataclass(frozen=True, eq=False)

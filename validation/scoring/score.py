@@ -2,13 +2,13 @@
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from synth.text_files import read_json
+from synth.text_files import checked, read_json_object
 from validation.scoring.averaging import AveragingScore
 from validation.scoring.camera import CameraScore, camera_of
 from validation.scoring.metrics import ErrorSummary, ErrorTally
@@ -99,27 +99,29 @@ class Scores:
             Not scores, or of another schema version.
         """
         try:
-            content = read_json(Path(path))
-            if content["schema_version"] != SCHEMA_VERSION:
-                version = content["schema_version"]
-                raise ScoreError(f"{path}: schema_version = {version!r}: this program reads {SCHEMA_VERSION}")
-            methods = {name: _method_from(table) for name, table in content["methods"].items()}
-            return cls(content["scene"], content["seed"], content["quick"], methods, content["versions"])
-        except ScoreError:
-            raise
-        except (KeyError, TypeError, AttributeError, ValueError) as error:
+            told = checked(_ToldScores, read_json_object(Path(path), schema_version=SCHEMA_VERSION))
+            methods = {name: _method_from(table, f"methods.{name}") for name, table in told.methods.items()}
+        except ValueError as error:
             raise ScoreError(f"{path}: not scores: {error}") from None
+        return cls(told.scene, told.seed, told.quick, methods, told.versions)
 
 
-def _method_from(table: dict[str, Any]) -> MethodScore:
-    strata = {name: ErrorSummary(**summary) for name, summary in table["strata"].items()}
-    return MethodScore(
-        table["seconds_per_pair"],
-        strata,
-        camera=CameraScore(**table["camera"]) if "camera" in table else None,
-        regions=RegionScore.from_dict(table),
-        averaging=AveragingScore.from_dict(table),
-    )
+@dataclass(frozen=True)
+class _ToldScores:
+    """What scores.json holds."""
+
+    scene: str
+    seed: int
+    quick: bool
+    versions: dict[str, str]
+    methods: dict[str, dict[str, Any]]
+
+
+def _method_from(table: dict[str, Any], name: str) -> MethodScore:
+    """A method's part of scores.json, whose regions' numbers stand beside its own."""
+    method = checked(MethodScore, table, name=name)
+    regions = checked(RegionScore, table, name=name) if "soil_iou" in table else None
+    return replace(method, regions=regions)
 
 
 def score_pair(true: TruePair, flow: "xr.Dataset") -> dict[str, ErrorSummary]:

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
+from synth.text_files import checked
 from validation.scoring.averaging import AveragingScore, AveragingTally
 
 SHAPE = (40, 50)
@@ -64,6 +65,6 @@ def test_neither_without_inertial_motion_nor_for_a_grid(make_flow):
 
 def test_there_and_back():
     score = AveragingScore((1, 2), (0.5, 0.4))
-    assert AveragingScore.from_dict(json.loads(json.dumps(score.to_dict()))) == score
-    assert AveragingScore.from_dict({"strata": {}}) is None
+    told = json.loads(json.dumps(score.to_dict()))
+    assert checked(AveragingScore, told["averaging"]) == score
     assert AveragingScore((1,), (0.5,)).sentence == ""

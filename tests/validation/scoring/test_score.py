@@ -93,8 +93,38 @@ def test_scores_on_disk(footage, flow_of, tmp_path):
     ]  # fmt: skip
 
 
-@pytest.mark.parametrize("content", ["", "[]", '{"schema_version": 2}', '{"schema_version": 1}'])
-def test_what_is_not_scores_is_refused(tmp_path, content):
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("", "Expecting value"),
+        ("[]", "a JSON object is needed"),
+        ('{"schema_version": 2}', "schema_version = 2: this program reads 1"),
+        ('{"schema_version": 1, "scene": "s", "seed": 0, "quick": true, "versions": {}}', "methods: missing"),
+    ],
+)
+def test_what_is_not_scores_is_refused(tmp_path, content, words):
     (tmp_path / "scores.json").write_text(content)
-    with pytest.raises(ScoreError):
+    with pytest.raises(ScoreError, match=rf"scores\.json: not scores: {words}"):
         Scores.read(tmp_path / "scores.json")
+
+
+@pytest.mark.parametrize(
+    ("harm", "words"),
+    [
+        (lambda own: own.pop("strata"), "methods.own.strata: missing"),
+        (lambda own: own["strata"]["all"].pop("median"), "methods.own.strata.all.median: missing"),
+        (lambda own: own["strata"]["all"].update(p95="far"), 'methods.own.strata.all.p95 = "far": '),
+        (lambda own: own.update(camera=[]), "methods.own.camera: a JSON object is needed"),
+        (lambda own: own.update(soil_iou=1.0), "methods.own.moving_iou: missing"),
+        (lambda own: own.update(averaging={"pair_count": [1]}), "methods.own.averaging.error: missing"),
+    ],
+)
+def test_damage_is_told_by_its_key(footage, flow_of, tmp_path, harm, words):
+    path = tmp_path / "scores.json"
+    own = MethodScore(0.5, strata_of(footage, flow_of(footage)))
+    Scores("scene", 3, True, {"own": own}, {}).write(path)
+    content = json.loads(path.read_text())
+    harm(content["methods"]["own"])
+    path.write_text(json.dumps(content))
+    with pytest.raises(ScoreError, match=f"not scores: {words}"):
+        Scores.read(path)
