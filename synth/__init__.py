@@ -1,7 +1,8 @@
 """The virtual soil bin: scenes in, pictures and the truth about them out."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from synth.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from synth.analytic.pair import PicturePair, picture_pair
@@ -44,14 +45,4 @@ __all__ = [
     "true_motion",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on its first use: heavy libraries load only where needed."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'synth' has no attribute {name!r}")
-    return getattr(importlib.import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    """Public names, imported or not yet."""
-    return sorted([*globals(), *__all__])
+__getattr__, __dir__ = lazy_names(__name__, _HOMES)

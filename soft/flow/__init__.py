@@ -3,8 +3,9 @@
 The public names below are imported on first use, so that `soft.flow.registry` alone costs nothing.
 """
 
-from importlib import import_module
 from typing import TYPE_CHECKING
+
+from soft.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from soft.flow.estimate import DEFAULT, estimate_flow, resolve_options
@@ -52,17 +53,4 @@ __all__ = [
     "write_kitti",
 ]
 
-
-def __getattr__(name: str) -> object:
-    """Import the module that holds `name` on its first use."""
-    home = _HOMES.get(name)
-    if home is None:
-        raise AttributeError(f"module 'soft.flow' has no attribute {name!r}")
-    value = getattr(import_module(home), name)
-    globals()[name] = value
-    return value
-
-
-def __dir__() -> list[str]:
-    """Public names, imported or not yet."""
-    return sorted([*globals(), *__all__])
+__getattr__, __dir__ = lazy_names(__name__, _HOMES)

@@ -1,7 +1,8 @@
 """Data sets made by sweeps, and recordings and footage in the formats of others."""
 
-import importlib
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from synth.lazy_names import lazy_names
 
 if TYPE_CHECKING:
     from synth.dataset.execution import make_data_set
@@ -26,14 +27,4 @@ __all__ = [
     "make_data_set",
 ]
 
-
-def __getattr__(name: str) -> Any:
-    """Import a public name on its first use: dask, torch and others load only where needed."""
-    if name not in _HOMES:
-        raise AttributeError(f"module 'synth.dataset' has no attribute {name!r}")
-    return getattr(importlib.import_module(_HOMES[name]), name)
-
-
-def __dir__() -> list[str]:
-    """Public names, imported or not yet."""
-    return sorted([*globals(), *__all__])
+__getattr__, __dir__ = lazy_names(__name__, _HOMES)
