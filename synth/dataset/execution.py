@@ -107,6 +107,9 @@ def make_data_set(
                 say(f"dashboard: {client.dashboard_link}")
                 _carry_out(client, order, missing, len(members), failures, say, progress)
         manifest = write_summary(folder, Told(asked.sweep, asked.base, asked.membership, failures))
+        for split in sorted({member.split for member in members}):
+            if not manifest["split_counts"][split]:
+                say(f"warning: no member of the split {split!r} could be made: it is empty")
         if not failures:
             folder.remove_work()
     return manifest

@@ -8,7 +8,7 @@ import subprocess
 import sys
 import time
 import tomllib
-from contextlib import suppress
+from contextlib import nullcontext, suppress
 from types import SimpleNamespace
 
 import pytest
@@ -28,6 +28,7 @@ from synth.scene import changed_scene, load_scene
 
 distributed = pytest.importorskip("distributed")
 
+NOBODY = SimpleNamespace(dashboard_link="")
 PATIENCE = 300
 """s, on a busy machine."""
 CLIENT = "from validation.cli import main; main()"
@@ -372,3 +373,21 @@ def test_two_at_once_are_told_apart(sand_sweep, sand_set):
     ):
         make_data_set(sand_sweep, sand_set)
     DataSetFolder(sand_set).remove_work()
+
+
+def test_splits_that_stay_empty_are_told(sweep_of, sand_tables, tmp_path, monkeypatch):
+    """Of three motions, none is for the validation; all of one split fail."""
+    from synth.dataset.execution import make_data_set
+
+    def carry_out(client, order, missing, total, failures, *rest):
+        failures.update({one.name: Failure("pictures", "no") for one in missing})
+
+    monkeypatch.setattr("synth.dataset.execution.cluster_client", lambda **_: nullcontext(NOBODY))
+    monkeypatch.setattr("synth.dataset.execution._carry_out", carry_out)
+    split = {"train": 0.9, "validation": 0.1, "test": 0.0}
+    said = []
+    make_data_set(sweep_of(tmp_path, **{**sand_tables, "split": split}), tmp_path / "out", say=said.append)
+    assert [line for line in said if line.startswith("warning")] == [
+        "warning: no member in the split 'validation': simulations are dealt out whole, and are too few",
+        "warning: no member of the split 'train' could be made: it is empty",
+    ]
