@@ -3,6 +3,10 @@
 In HDF5 arrays lie with their axes in reverse, cells are references, and an empty array is told by its size.
 """
 
+import functools
+import pickle
+import subprocess
+import sys
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -14,6 +18,11 @@ if TYPE_CHECKING:
     import h5py
 
 _HDF5 = b"\x89HDF\r\n\x1a\n"
+_ALONE = """
+import pickle, sys
+from scipy.io import loadmat
+pickle.dump(loadmat(sys.argv[1]), sys.stdout.buffer)
+"""
 _USER_BLOCK = 512
 """Bytes of text that MATLAB puts before the HDF5 part."""
 
@@ -39,9 +48,23 @@ def _is_hdf5(path: Path) -> bool:
 
 
 def _read_old(path: Path) -> dict[str, Any]:
-    from scipy.io import loadmat
+    about = path.stat()
+    content = _read_alone(path.absolute(), about.st_size, about.st_mtime_ns)
+    return {name: value for name, value in content.items() if not name.startswith("__")}
 
-    return {name: value for name, value in loadmat(path).items() if not name.startswith("__")}
+
+@functools.lru_cache(maxsize=2)
+def _read_alone(path: Path, *_: int) -> dict[str, Any]:
+    """Read a file in a process of its own: of changed bytes SciPy's reader can end the process that it is in.
+
+    Kept, as each picture pair of a file asks for it again, until its size or time changes.
+    """
+    done = subprocess.run([sys.executable, "-c", _ALONE, str(path)], capture_output=True)
+    if done.returncode < 0:
+        raise ValueError(f"damaged: what reads it is ended by signal {-done.returncode}")
+    if done.returncode:
+        raise ValueError(done.stderr.decode(errors="replace").strip().rpartition("\n")[2])
+    return pickle.loads(done.stdout)
 
 
 def _read_hdf5(path: Path) -> dict[str, Any]:
