@@ -7,12 +7,12 @@ each NAME.
 import sys
 from pathlib import Path
 
-from page_tables import pictures, scarab, score_my_method, simulator, wheel_law
+from page_tables import flow, pictures, scarab, score_my_method, simulator, wheel_law
 
 from validation.markdown_tables import update_tables
 
 KIND = "measured"
-PAGES = (pictures, scarab, score_my_method, simulator, wheel_law)
+PAGES = (flow, pictures, scarab, score_my_method, simulator, wheel_law)
 TABLES = {name: table for page in PAGES for name, table in page.TABLES.items()}
 
 if __name__ == "__main__":
