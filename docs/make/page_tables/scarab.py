@@ -2,7 +2,7 @@
 
 from collections.abc import Sequence
 
-from kept import document, rows, the_one
+from kept import distinct, document, rows, the_one
 
 from validation.markdown_tables import markdown_table
 
@@ -41,6 +41,21 @@ def _with_ratios(pulls: Sequence[float | None], form: str = ".3f", *, bold: bool
     return cells
 
 
+def laws() -> str:
+    """Pull over weight of both gaits by the other laws."""
+    told = document("drawbar-laws.json")["curves"]
+    greatest = max(point["drawbar_pull_ratio"] for one in told for point in one["points"])
+    table = []
+    for (law,) in distinct(told, "law"):
+        both = [the_one(told, law=law, gait=gait)["at_travel_reduction"] for gait in GAITS]
+        pulls = [one[at] for at in REDUCTIONS for one in both]
+        table.append([f"`{law}`", *(f"above {greatest:g}" if p is None else f"{p:.3f}" for p in pulls)])
+    head = ["law"]
+    for at in REDUCTIONS:
+        head += [f"rolling at {_percent(at)}", "inching"]
+    return markdown_table(head, table, words=1)
+
+
 def glass() -> str:
     """Soil motion through the glass, as measured and in truth."""
     table = []
@@ -63,4 +78,8 @@ def _pull(value: float | None, form: str) -> str:
     return "-" if value is None else format(value, form)
 
 
-TABLES = {"drawbar": result, "drawbar-glass": glass}
+TABLES = {
+    "drawbar": result,
+    "drawbar-laws": laws,
+    "drawbar-glass": glass,
+}
