@@ -3,7 +3,7 @@
 import tomllib
 from typing import Any
 
-from kept import having
+from kept import Row, distinct, document, having
 
 from synth.scene_files import scenes_folder
 from validation.markdown_tables import markdown_table
@@ -49,4 +49,52 @@ def _angle(evidence: dict[str, Any], relative_density: float) -> str:
     return f"{tried['friction_angle']:.1f} +- {tried['standard_error']:.1f}"
 
 
-TABLES = {"soils": soils}
+def verification() -> str:
+    """How many comparisons keep their limits, and the row of each case that is nearest to its own."""
+    every = document("verify-dem.json")["rows"]
+    kept = sum(row["passed"] for row in every)
+    verdict = "all within their limits" if kept == len(every) else f"{kept} of them within their limits"
+    cases = [case for (case,) in distinct(every, "case")]
+    head = ["case", "checks", "nearest to its limit", "reference", "measured", "error", "limit"]
+    table = []
+    for case in cases:
+        own = having(every, case=case, low=None)
+        if own:
+            table.append([f"`{case}`", str(len(own)), *_compared(max(own, key=_used))])
+    return f"**{len(every)} comparisons in {len(cases)} cases, {verdict}.**\n\n" + markdown_table(
+        [*head, "where the reference comes from"], table
+    )
+
+
+def _used(row: Row) -> float:
+    """Share of its limit that the error takes."""
+    return row["relative_error"] / row["limit"] if row["limit"] else row["relative_error"]
+
+
+def _compared(row: Row) -> list[str]:
+    numbers = [f"{row[name]:.5g}" for name in ("reference", "measured")]
+    shares = [f"{100 * row[name]:.2g} %" for name in ("relative_error", "limit")]
+    return [row["quantity"], *numbers, *shares, row["source"]]
+
+
+def verification_ranges() -> str:
+    """Comparisons with bounds in place of a value."""
+    table = [
+        [
+            f"`{row['case']}`",
+            row["quantity"],
+            f"{row['low']:.4g} to {row['high']:.4g}",
+            f"{row['measured']:.3g}",
+            row["source"],
+        ]
+        for row in document("verify-dem.json")["rows"]
+        if row["low"] is not None
+    ]
+    return markdown_table(["case", "quantity", "range", "measured", "where the range comes from"], table)
+
+
+TABLES = {
+    "soils": soils,
+    "verification": verification,
+    "verification-ranges": verification_ranges,
+}
