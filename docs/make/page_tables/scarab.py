@@ -1,14 +1,16 @@
 """Tables of docs/scarab.md: what `softbed drawbar` measured."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
-from kept import distinct, document, rows, the_one
+from kept import Row, distinct, document, having, rows, the_one
 
 from validation.markdown_tables import markdown_table
 
 GAITS = ("rolling", "inching")
 WHEELS = ("rigid", "pneumatic")
 REDUCTIONS = ("0.1", "0.2", "0.4")
+STANDING = {"expand": "rear", "contract": "front"}
+"""Axle that stands in each phase of an inching cycle."""
 
 
 def result() -> str:
@@ -56,6 +58,64 @@ def laws() -> str:
     return markdown_table(head, table, words=1)
 
 
+def grains() -> str:
+    """Travel reduction and sinkage with the grains themselves, and by the law found in the bin."""
+    by_grains = rows("drawbar-grains.csv") + rows("drawbar-grains-more.csv")
+    by_law = rows("drawbar-identified.csv")
+    head = ["pull / weight", "rolling, TR: grains", "law", "inching, TR: grains", "law"]
+    head += ["sinkage front, rear, rolling [mm]: grains", "law"]
+    table = []
+    for load in sorted({row["drawbar_pull_ratio"] for row in by_grains}):
+        cells = [f"{load:g}"]
+        for gait in GAITS:
+            cells += [
+                _reduction(having(every, gait=gait, drawbar_pull_ratio=load)) for every in (by_grains, by_law)
+            ]
+        cells += [
+            _sinkage(having(every, gait="rolling", drawbar_pull_ratio=load)) for every in (by_grains, by_law)
+        ]
+        table.append(cells)
+    return markdown_table(head, table, words=0)
+
+
+def _reduction(point: list[Row]) -> str:
+    if not point:
+        return ""
+    reduction = point[0]["travel_reduction"]
+    return f"{100 * reduction:.0f} %" + (": pulled back" if reduction > 1 else "")
+
+
+def _sinkage(point: list[Row]) -> str:
+    axles = [[row["sinkage_m"] for row in _of_axle(point, axle)] for axle in ("front", "rear")]
+    return ", ".join(f"{1000 * sum(several) / len(several):.0f}" for several in axles if several)
+
+
+def grains_axles() -> str:
+    """What each axle thrusts when inching: grains at two loads, and the law at the first."""
+    cases = {
+        "grains, at 0.24": rows("drawbar-grains.csv", gait="inching", drawbar_pull_ratio=0.24),
+        "grains, at 0.4": rows("drawbar-grains-more.csv", gait="inching", drawbar_pull_ratio=0.4),
+        "law, at 0.24": rows("drawbar-identified.csv", gait="inching", drawbar_pull_ratio=0.24),
+    }
+    head = ["inching, force / load", "rear stands", "front rolls", "front stands", "rear rolls"]
+    table = []
+    for told, point in cases.items():
+        cells = []
+        for phase, stands in STANDING.items():
+            during, rolls = having(point, phase=phase), "front" if stands == "rear" else "rear"
+            cells += [_thrust_over_load(_of_axle(during, axle)) for axle in (stands, rolls)]
+        table.append([told, *cells])
+    return markdown_table(head, table, words=1)
+
+
+def _of_axle(several: Iterable[Row], axle: str) -> list[Row]:
+    return [row for row in several if row["wheel"].startswith(axle)]
+
+
+def _thrust_over_load(wheels: list[Row]) -> str:
+    return f"{sum(one['force_x_N'] for one in wheels) / sum(one['force_z_N'] for one in wheels):.2f}"
+
+
 def glass() -> str:
     """Soil motion through the glass, as measured and in truth."""
     table = []
@@ -81,5 +141,7 @@ def _pull(value: float | None, form: str) -> str:
 TABLES = {
     "drawbar": result,
     "drawbar-laws": laws,
+    "drawbar-grains": grains,
+    "drawbar-grains-axles": grains_axles,
     "drawbar-glass": glass,
 }
