@@ -191,7 +191,7 @@ def test_video_cut_short(softbed, photographs):
     status, _, error = softbed("analyze", film, "--method", "dis", "--soil", "all")
     assert status == 0, error
     told = re.search(r"warning: rig\.avi: (\d) of the 12 frames that it tells of could be decoded", error)
-    with measured(photographs.parent / "rig-softbed") as flow:
+    with measured(photographs.parent / "rig-softbed", "dis") as flow:
         assert flow.sizes["pair"] == int(told[1]) - 1
         assert told[0].removeprefix("warning: ") in flow.attrs["remarks"]
 
