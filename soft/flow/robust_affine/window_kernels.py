@@ -71,53 +71,57 @@ def gather(products: Channels, gathered: Channels):
             gathered[row, column, channel] = total
 
 
-@ti.func
-def corners(at_nodes: ti.template(), line, node):
-    """Models of the nodes around a cell, row by row, (4, 6). The upper left node names it.
+@ti.dataclass
+class Cell:
+    """The places between four nodes, of which the upper left one names it.
 
-    Beyond the last nodes there are none: these stand for them.
+    Beyond the last nodes there are none: these stand for them. `models` are the corners', row by row; `apart`
+    tells whether the lower ones are further down than the upper ones, and the right ones further right, 1 or
+    0 each. Its places are `top` to `bottom`, `left` to `right`, the last of each left out.
     """
+
+    models: ti.types.matrix(4, 6, ti.f32)
+    apart: ti.types.vector(2, ti.i32)
+    top: ti.i32
+    bottom: ti.i32
+    left: ti.i32
+    right: ti.i32
+
+
+@ti.func
+def cell_at(at_nodes: ti.template(), line, node, stride, places: ti.template()):
+    """The cell of a node in a grid of `places`, nodes `stride` of them apart."""
+    last_line, last_node = at_nodes.shape[0] - 1, at_nodes.shape[1] - 1
     models = ti.Matrix.zero(ti.f32, 4, 6)
     for j, i in ti.static(ti.ndrange(2, 2)):
-        r, n = ti.min(line + j, at_nodes.shape[0] - 1), ti.min(node + i, at_nodes.shape[1] - 1)
         for k in ti.static(range(6)):
-            models[2 * j + i, k] = at_nodes[r, n, k]
-    return models
+            models[2 * j + i, k] = at_nodes[ti.min(line + j, last_line), ti.min(node + i, last_node), k]
+    return Cell(
+        models=models,
+        apart=ti.Vector([ti.min(line + 1, last_line) - line, ti.min(node + 1, last_node) - node]),
+        top=line * stride,
+        bottom=ti.min((line + 1) * stride, places.shape[0]),
+        left=node * stride,
+        right=ti.min((node + 1) * stride, places.shape[1]),
+    )
 
 
 @ti.func
-def blended(models, apart, stride, down, across, step):
-    """Model of a place `down` and `across` places inside a cell: its corners', carried to it and blended.
-
-    Places are `step` px apart, nodes `stride` places; `apart` tells whether the lower corners are further
-    down than the upper ones, and the right ones further right, 1 or 0 each.
-    """
+def blended(cell, stride, row, column, step):
+    """Model of a place in a cell: its corners', carried to it and blended. Places are `step` px apart."""
+    down, across = row - cell.top, column - cell.left
     fx, fy = ti.cast(across, ti.f32) / stride, ti.cast(down, ti.f32) / stride
     model = ti.Vector.zero(ti.f32, 6)
     for j, i in ti.static(ti.ndrange(2, 2)):
         share = (fx if ti.static(i == 1) else 1 - fx) * (fy if ti.static(j == 1) else 1 - fy)
-        x = ti.cast((across - i * apart[1] * stride) * step, ti.f32)
-        y = ti.cast((down - j * apart[0] * stride) * step, ti.f32)
+        x = ti.cast((across - i * cell.apart[1] * stride) * step, ti.f32)
+        y = ti.cast((down - j * cell.apart[0] * stride) * step, ti.f32)
         for k in ti.static((0, 3)):
-            ux, uy = models[2 * j + i, k + 1], models[2 * j + i, k + 2]
-            model[k] += share * (models[2 * j + i, k] + ux * x + uy * y)
+            ux, uy = cell.models[2 * j + i, k + 1], cell.models[2 * j + i, k + 2]
+            model[k] += share * (cell.models[2 * j + i, k] + ux * x + uy * y)
             model[k + 1] += share * ux
             model[k + 2] += share * uy
     return model
-
-
-@ti.func
-def apart(at_nodes: ti.template(), line, node):
-    """See `blended`."""
-    below, beside = ti.min(line + 1, at_nodes.shape[0] - 1), ti.min(node + 1, at_nodes.shape[1] - 1)
-    return ti.Vector([below - line, beside - node])
-
-
-@ti.func
-def rows_and_columns(line, node, stride, height, width):
-    """First and one after the last row, first and one after the last column, of a cell's places."""
-    row, column = line * stride, node * stride
-    return ti.Vector([row, ti.min(row + stride, height), column, ti.min(column + stride, width)])
 
 
 @ti.kernel
@@ -126,11 +130,10 @@ def subtract(
 ):
     """`targets` of what is left to explain once places have moved by the models told at nodes."""
     for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
-        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
-        part = rows_and_columns(line, node, stride, squares.shape[0], squares.shape[1])
-        for row in range(part[0], part[1]):
-            for column in range(part[2], part[3]):
-                model = blended(models_around, further, stride, row - part[0], column - part[2], step)
+        cell = cell_at(at_nodes, line, node, stride, squares)
+        for row in range(cell.top, cell.bottom):
+            for column in range(cell.left, cell.right):
+                model = blended(cell, stride, row, column, step)
                 xx, xy, yy = squares[row, column, 0], squares[row, column, 1], squares[row, column, 2]
                 rest[row, column, 0] = targets[row, column, 0] - xx * model[0] - xy * model[3]
                 rest[row, column, 1] = targets[row, column, 1] - xy * model[0] - yy * model[3]
@@ -295,11 +298,10 @@ def tell(models: Channels, displacement: Channels, gradient: Channels):
 def tell_spread(at_nodes: Channels, stride: ti.i32, displacement: Channels, gradient: Channels):
     """The same, from models told at nodes `stride` px apart."""
     for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
-        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
-        part = rows_and_columns(line, node, stride, displacement.shape[0], displacement.shape[1])
-        for row in range(part[0], part[1]):
-            for column in range(part[2], part[3]):
-                model = blended(models_around, further, stride, row - part[0], column - part[2], 1)
+        cell = cell_at(at_nodes, line, node, stride, displacement)
+        for row in range(cell.top, cell.bottom):
+            for column in range(cell.left, cell.right):
+                model = blended(cell, stride, row, column, 1)
                 for i in ti.static(range(2)):
                     displacement[row, column, i] = model[3 * i]
                     for j in ti.static(range(2)):
@@ -310,11 +312,10 @@ def tell_spread(at_nodes: Channels, stride: ti.i32, displacement: Channels, grad
 def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
     """Every place's model from those told at nodes."""
     for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
-        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
-        part = rows_and_columns(line, node, stride, models.shape[0], models.shape[1])
-        for row in range(part[0], part[1]):
-            for column in range(part[2], part[3]):
-                model = blended(models_around, further, stride, row - part[0], column - part[2], step)
+        cell = cell_at(at_nodes, line, node, stride, models)
+        for row in range(cell.top, cell.bottom):
+            for column in range(cell.left, cell.right):
+                model = blended(cell, stride, row, column, step)
                 for k in ti.static(range(6)):
                     models[row, column, k] = model[k]
 
@@ -323,12 +324,11 @@ def spread(at_nodes: Channels, stride: ti.i32, step: ti.i32, models: Channels):
 def add_spread(at_nodes: Channels, stride: ti.i32, where: Flags, models: Channels):
     """Add every pixel's model from those told at nodes, where that is wanted."""
     for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
-        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
-        part = rows_and_columns(line, node, stride, models.shape[0], models.shape[1])
-        for row in range(part[0], part[1]):
-            for column in range(part[2], part[3]):
+        cell = cell_at(at_nodes, line, node, stride, models)
+        for row in range(cell.top, cell.bottom):
+            for column in range(cell.left, cell.right):
                 if where[row, column] > 0:
-                    model = blended(models_around, further, stride, row - part[0], column - part[2], 1)
+                    model = blended(cell, stride, row, column, 1)
                     for k in ti.static(range(6)):
                         models[row, column, k] += model[k]
 
@@ -358,11 +358,10 @@ def take_agreeing(
     """
     lines, nodes = variance.shape[0], variance.shape[1]
     for line, node in ti.ndrange(at_nodes.shape[0], at_nodes.shape[1]):
-        models_around, further = corners(at_nodes, line, node), apart(at_nodes, line, node)
-        part = rows_and_columns(line, node, stride, levels.shape[0], levels.shape[1])
-        for row in range(part[0], part[1]):
-            for column in range(part[2], part[3]):
-                model = blended(models_around, further, stride, row - part[0], column - part[2], step)
+        cell = cell_at(at_nodes, line, node, stride, levels)
+        for row in range(cell.top, cell.bottom):
+            for column in range(cell.left, cell.right):
+                model = blended(cell, stride, row, column, step)
                 for k in ti.static(range(2)):
                     motions[row, column, k] = model[3 * k]
                 if levels[row, column] == level - 1:
