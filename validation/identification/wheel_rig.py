@@ -7,6 +7,7 @@ from typing import Any
 
 import numpy as np
 
+from soft.flow.mat_file import read_mat
 from synth.rover.law.catalogue import loose_grc1
 from synth.rover.law.identification import FIRST_SHEAR_SHARE, Identification, Trial, identify, predict
 from synth.rover.law.response import published_scale
@@ -54,21 +55,17 @@ def read_trials(path: Path) -> list[Trial]:
     RigError
         The file does not hold what the rig recorded.
     """
-    from scipy.io import loadmat
-    from scipy.io.matlab import MatReadError
-
     if not path.is_file():
         raise RigError(f"{path}: no such file")
     try:
-        results = loadmat(path, squeeze_me=True, struct_as_record=False)["all_results"]
-        straight = [one for one in np.ravel(results) if one.beta == 0]
-    except (KeyError, ValueError, AttributeError, NotImplementedError, MatReadError):
+        straight = [one for one in np.ravel(read_mat(path)["all_results"]) if one["beta"].item() == 0]
+    except (KeyError, ValueError, IndexError, TypeError, AttributeError):
         raise RigError(f"{path}: a MATLAB file with the struct array 'all_results' is needed") from None
     if not straight:
         raise RigError(f"{path}: no trial with beta = 0")
     groups: dict[float, list[Any]] = defaultdict(list)
     for one in straight:
-        groups[float(one.Vry)].append(one)
+        groups[one["Vry"].item()].append(one)
     return [_trial(groups[speed]) for speed in sorted(groups)]
 
 
@@ -96,7 +93,7 @@ def compare_with_rig(trials: list[Trial]) -> RigComparison:
 
 def _trial(repeats: list[Any]) -> Trial:
     rim, travel, pull, load, height = (
-        float(np.mean([getattr(one, name) for one in repeats]))
+        float(np.mean([one[name].item() for one in repeats]))
         for name in ("avg_Vry", "avg_Vx", "avg_Fy", "avg_Fz", "avg_Z")
     )
     slip = 1 - travel / rim if rim > travel else rim / travel - 1
