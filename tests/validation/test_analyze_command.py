@@ -160,12 +160,16 @@ def test_region_and_masks(softbed, photographs):
         assert "--results (figure) or --out" in error
 
 
-def test_video(softbed, photographs):
-    film = photographs.parent / "rig.mkv"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter_fourcc(*"FFV1"), 25.0, SHAPE[::-1])
-    for k in range(5):
+def write_film(path, codec, frame_count):
+    writer = cv2.VideoWriter(str(path), cv2.VideoWriter_fourcc(*codec), 25.0, SHAPE[::-1])
+    for k in range(frame_count):
         writer.write(cv2.cvtColor(soil(k), cv2.COLOR_GRAY2BGR))
     writer.release()
+
+
+def test_video(softbed, photographs):
+    film = photographs.parent / "rig.mkv"
+    write_film(film, "FFV1", 5)
     before = film.read_bytes()
     status, _, error = softbed("analyze", film, "--method", "farneback", "--soil", "all", "--stride", 2)
     assert status == 0, error
@@ -183,10 +187,7 @@ def test_video(softbed, photographs):
 
 def test_video_cut_short(softbed, photographs):
     film = photographs.parent / "rig.avi"
-    writer = cv2.VideoWriter(str(film), cv2.VideoWriter_fourcc(*"MJPG"), 25.0, SHAPE[::-1])
-    for k in range(12):
-        writer.write(cv2.cvtColor(soil(k), cv2.COLOR_GRAY2BGR))
-    writer.release()
+    write_film(film, "MJPG", 12)
     film.write_bytes(film.read_bytes()[: film.stat().st_size // 2])
     status, _, error = softbed("analyze", film, "--method", "dis", "--soil", "all")
     assert status == 0, error
