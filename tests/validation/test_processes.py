@@ -2,13 +2,12 @@
 
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
 
-PATIENCE = 300
-"""s, on a busy machine; the worker would sleep for longer."""
+from tests.waiting import runs, wait_for
+
 KILLED = """
 import os, time
 from validation.processes import worker_processes
@@ -28,15 +27,4 @@ def test_a_killed_process_leaves_no_worker_behind(tmp_path):
     with subprocess.Popen([sys.executable, script], stdout=subprocess.PIPE, text=True) as parent:
         worker = int(parent.stdout.readline())
         parent.kill()
-    end = time.monotonic() + PATIENCE
-    while runs(worker):
-        assert time.monotonic() < end, "the process goes on"
-        time.sleep(0.05)
-
-
-def runs(process):
-    """Neither gone, also while we look, nor waiting to be buried."""
-    try:
-        return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z"
-    except (FileNotFoundError, ProcessLookupError):
-        return False
+    wait_for(lambda: not runs(worker))  # it would sleep for longer

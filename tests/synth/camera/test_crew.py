@@ -4,7 +4,6 @@ import errno
 import signal
 import subprocess
 import sys
-import time
 from pathlib import Path
 
 import pytest
@@ -13,11 +12,10 @@ from synth import render
 from synth.camera import crew, crew_process
 from synth.camera.render import render as photograph
 from synth.camera.stages import StageClock
+from tests.waiting import PATIENCE, runs, wait_for
 from validation.terminal import error_line
 
 FRAMES = 4
-PATIENCE = 300
-"""s, on a busy machine."""
 STAND_IN = """
 import json, sys, time
 sys.path[:] = json.loads(sys.argv[1])
@@ -177,21 +175,7 @@ def test_they_end_with_who_started_them(tmp_path, request, how):
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.SIG_DFL),
     ) as parent:
         left = [int(parent.stdout.readline()) for _ in range(crew.SIZE)]
-        _until(lambda: (tmp_path / "f" / "frames" / "000002.png").is_file())
+        wait_for(lambda: (tmp_path / "f" / "frames" / "000002.png").is_file())
         parent.send_signal(how)
     assert parent.returncode != 0
-    _until(lambda: not any(map(_runs, left)))
-
-
-def _until(happened):
-    end = time.monotonic() + PATIENCE
-    while not happened():
-        assert time.monotonic() < end, "it does not happen"
-        time.sleep(0.05)
-
-
-def _runs(process):
-    try:
-        return Path(f"/proc/{process}/stat").read_text().split()[2] != "Z"
-    except (FileNotFoundError, ProcessLookupError):
-        return False
+    wait_for(lambda: not any(map(runs, left)))

@@ -25,12 +25,11 @@ from synth.dem.failures import SimulationError
 from synth.disk import system_complaint
 from synth.footage import Footage
 from synth.scene import changed_scene, load_scene
+from tests.waiting import PATIENCE, wait_for
 
 distributed = pytest.importorskip("distributed")
 
 NOBODY = SimpleNamespace(dashboard_link="")
-PATIENCE = 300
-"""s, on a busy machine."""
 CLIENT = "from validation.cli import main; main()"
 # Runs in every worker: checkpoints as often as can be, said in a file.
 PRELOAD = """
@@ -102,13 +101,6 @@ def is_alive(process):
     import psutil
 
     return process.is_running() and process.status() != psutil.STATUS_ZOMBIE
-
-
-def wait_for(condition):
-    end = time.monotonic() + PATIENCE
-    while not condition():
-        assert time.monotonic() < end, "it did not happen"
-        time.sleep(0.02)
 
 
 def assert_whole(out):
